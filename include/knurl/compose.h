@@ -1,0 +1,163 @@
+// SPDX-License-Identifier: Apache-2.0
+// Tiles, their exact composition with a shell, periodic placement, and jobs that stream patches into sinks.
+#ifndef KNURL_COMPOSE_H
+#define KNURL_COMPOSE_H
+
+#include <knurl/shell.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+enum { KN_NAME_BYTES = 64 };
+
+typedef struct kn_material {
+    double base_color[3]; // linear RGB in [0,1]
+    double metallic, roughness;
+} kn_material;
+
+// A named part of a tile: surfaces with three components (u, v, w), polynomial, oriented outwards by r x t.
+typedef struct kn_tile_part {
+    char name[KN_NAME_BYTES];
+    kn_material material;
+    kn_spline *surfaces;
+    int nsurfaces;
+} kn_tile_part;
+
+// A texture over the unit cell of (u,v); w in [0,1] spans the height. Surfaces may reach into neighbouring cells.
+typedef struct kn_tile {
+    char name[KN_NAME_BYTES];
+    char about[2 * KN_NAME_BYTES]; // one line for a listing
+    bool covering; // it covers the cell and replaces the base (definition 3 of the source); else casual
+    double aspect; // height of w = 1 over the cell's width at which the tile looks as it was modelled
+    kn_tile_part *parts;
+    int nparts;
+} kn_tile;
+
+// Allocates nparts empty parts. Everything in a tile belongs to it.
+KN_API KN_CHECKED kn_status kn_tile_init(kn_ctx *ctx, kn_tile *out, const char *name, int nparts);
+KN_API void kn_tile_clear(kn_ctx *ctx, kn_tile *tile);
+// KN_OK, or KN_EDOMAIN naming the part and surface that is no polynomial (u,v,w) surface, not finite or of zero area.
+KN_API KN_CHECKED kn_status kn_tile_check(kn_ctx *ctx, const kn_tile *tile);
+// Quarter turns of the (u,v) cell about its centre, counterclockwise.
+KN_API KN_CHECKED kn_status kn_tile_rotate(kn_ctx *ctx, kn_tile *tile, int quarter_turns);
+
+// ---- composition of one patch ----
+
+// out(x) = outer(inner(x)); inner has outer.nvars value components, polynomial or rational. By symbolic expansion,
+// exact but for rounding: the reference. out.degree[d] = inner.degree[d] * sum of outer's degrees.
+KN_API KN_CHECKED kn_status kn_bezier_compose(kn_ctx *ctx, kn_bezier *out, const kn_bezier *outer,
+                                              const kn_bezier *inner);
+
+// T(D(r,t)) by symbolic composition of each term of the piece: the reference for the matrix below. D has components
+// (u, v, w), u and v in box coordinates, w in length units.
+KN_API KN_CHECKED kn_status kn_compose_piece(kn_ctx *ctx, kn_bezier *out, const kn_shell_piece *piece,
+                                             const kn_bezier *tile);
+
+// The matrix of one tile patch for one pair of degrees: row q, column a*(degree_v+1)+b holds Bernstein coefficient q
+// of B_a(u(r,t)) B_b(v(r,t)) w(r,t)^power in degree (rows_degree[0], rows_degree[1]). Depends on the tile alone.
+typedef struct kn_compose_matrix {
+    int rows_degree[2];
+    size_t rows, cols;
+    double *m; // row by row; owned
+} kn_compose_matrix;
+KN_API KN_CHECKED kn_status kn_compose_matrix_init(kn_ctx *ctx, kn_compose_matrix *out, const kn_bezier *tile,
+                                                   const int degree[2], int power, const int rows_degree[2]);
+KN_API void kn_compose_matrix_clear(kn_ctx *ctx, kn_compose_matrix *matrix);
+
+// ---- jobs ----
+
+typedef enum kn_normal_method { KN_NORMAL_FITTED } kn_normal_method;
+
+// Zero means the default in every field.
+typedef struct kn_job_options {
+    int count[2];   // cells over each surface's domain in u and in v; 0: from size
+    double size[2]; // wanted cell size, length units; the nearest count is taken, equal on edges that surfaces share.
+                    // Neither given: 1/20 of the base's diagonal
+    double height;  // of w = 1 above the base, negative below; 0: the tile's aspect times the mean cell size
+    double offset;  // added to every height, length units
+    int quarter_turns; // of the tile in its cell
+    double normal_tol; // as kn_shell_options; 0: 1e-6
+    int max_degree;    // of a composed patch in one variable; 0: 25 (what OCCT reads); at most KN_MAX_DEGREE
+    double mesh_tol;   // chord height of tessellations, length units; 0: 1/200 of the mean cell size
+    bool symbolic;     // compose each cell symbolically (the reference) instead of by matrix
+} kn_job_options;
+KN_API kn_job_options kn_job_defaults(void);
+
+// What a job will make; everything is known before the first patch is composed.
+typedef struct kn_job_report {
+    int nsurfaces;
+    size_t cells, patches, exact_patches, control_points, triangles;
+    int degree[2];                // the largest in r and in t
+    double height, cell_size;     // in force, length units
+    kn_normal_certificate normal; // over all pieces in use
+    double normal_tol;
+    double stand_in_error; // bound of |patch - T(D)| where a stand-in for n is used, length units; 0: none is
+    double jacobian_lo, jacobian_hi; // kn_shell_jacobian_bounds over the heights that the tile occupies
+} kn_job_report;
+
+// Stable identity of an output patch.
+typedef struct kn_patch_id {
+    int surface; // of the base
+    int cell[2]; // of that surface
+    int part;    // of the tile
+    int patch;   // Bezier patch of the part, counted over its surfaces
+    int piece;   // 0 .. when a patch had to be subdivided
+} kn_patch_id;
+
+typedef struct kn_patch {
+    kn_patch_id id;
+    kn_bezier bezier; // two variables (r,t), 3 components or 4 homogeneous ones; borrowed, valid during the call
+    bool reversed;    // outward is -(r x t): the job's height is negative
+    bool exact;       // false: composed with a stand-in for n
+    int segments[2];  // in r and t, by which tessellations of neighbouring patches match
+} kn_patch;
+
+typedef struct kn_patch_block {
+    size_t first; // place of patches[0] in the job's order, counted from 0
+    size_t count;
+    const kn_patch *patches;
+} kn_patch_block;
+
+// Where a job's patches go. Calls: begin once; then for each block work (on any thread, blocks in any order and at
+// the same time, with that thread's context), whose *product goes to commit (on the calling thread, blocks in order),
+// or to discard when the job stops early; end once, only if all went well. close exactly once, by kn_sink_close: a
+// sink that has not ended removes what it wrote. Any of them but commit and close may be NULL. Products are the
+// sink's own memory.
+typedef struct kn_sink {
+    void *user;
+    kn_status (*begin)(kn_ctx *ctx, void *user, const kn_tile *tile, const kn_job_report *report);
+    kn_status (*work)(kn_ctx *worker, void *user, const kn_patch_block *block, void **product);
+    kn_status (*commit)(kn_ctx *ctx, void *user, const kn_patch_block *block, void *product);
+    void (*discard)(kn_ctx *ctx, void *user, void *product);
+    kn_status (*end)(kn_ctx *ctx, void *user);
+    void (*close)(kn_ctx *ctx, void *user);
+    size_t (*bytes)(const void *user); // written so far; NULL: nothing to count
+} kn_sink;
+KN_API void kn_sink_close(kn_ctx *ctx, kn_sink *sink); // idempotent
+
+typedef struct kn_job kn_job;
+
+// Plans tile x cells over the surfaces (dim 3, two variables; copied). Counts, shells and subdivisions are decided
+// here. fails: as kn_shell_create and kn_tile_check; KN_EDOMAIN when cells would straddle knot lines of a surface
+// (count below
+//        its knot spans), or when max_degree leaves no room for the normal's degree.
+KN_API KN_CHECKED kn_status kn_job_create(kn_ctx *ctx, kn_job **out, const kn_spline *surfaces, int nsurfaces,
+                                          const kn_tile *tile, const kn_job_options *options);
+KN_API void kn_job_destroy(kn_ctx *ctx, kn_job *job);
+KN_API kn_job_report kn_job_describe(const kn_job *job);
+// The tile as placed (rotated), whose parts patches refer to; and the shell of one surface.
+KN_API const kn_tile *kn_job_tile(const kn_job *job);
+KN_API const kn_shell *kn_job_shell(const kn_job *job, int surface);
+// The tile patch D behind an output patch, restricted to its piece, in the coordinates of its cell: (u, v, w) with
+// the cell [0,1]^2 and w in length units; out is overwritten. Lets a caller check patch = T(D).
+KN_API KN_CHECKED kn_status kn_job_source(kn_ctx *ctx, kn_bezier *out, const kn_job *job, const kn_patch_id *id);
+
+// Composes everything and sends it to the sinks. The same patches in the same order, bit for bit, for any number of
+// threads. Memory: the plan and the blocks in flight.
+KN_API KN_CHECKED kn_status kn_job_run(kn_ctx *ctx, const kn_job *job, kn_sink *sinks, int nsinks);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: Apache-2.0
+// The whole public interface of libknurl.
+#ifndef KNURL_H
+#define KNURL_H
+
+#include <knurl/base.h>
+#include <knurl/bezier.h>
+#include <knurl/spline.h>
+#include <knurl/shell.h>
+#include <knurl/compose.h>
+#include <knurl/mesh.h>
+#include <knurl/io.h>
+
+#endif
