@@ -15,7 +15,7 @@ void kn_log(kn_ctx *ctx, kn_log_level level, const char *format, ...) KN_PRINTF(
 kn_status kn_progress(kn_ctx *ctx, const char *stage, double fraction);
 
 // Results: count * size bytes, not cleared, never NULL for count 0; NULL (and KN_ENOMEM recorded) when there is no
-// memory or the product overflows. Freed with kn_free (public, spline.h), NULL is fine.
+// memory or the product overflows. Freed with kn_free (public, base.h), NULL is fine.
 void *kn_alloc(kn_ctx *ctx, size_t count, size_t size);
 void *kn_alloc_zero(kn_ctx *ctx, size_t count, size_t size);
 // As realloc: NULL on failure, and block stays valid.

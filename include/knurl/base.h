@@ -97,6 +97,9 @@ KN_API void kn_ctx_clear_error(kn_ctx *ctx);
 
 KN_API int kn_ctx_threads(const kn_ctx *ctx);
 
+// Frees an array that a call of knurl handed out (pieces, readers' arrays); NULL is fine.
+KN_API void kn_free(kn_ctx *ctx, void *block);
+
 typedef struct kn_counters {
     size_t live_blocks, live_bytes; // held now by results and scratch
     size_t peak_bytes;              // the most that was ever live

@@ -75,9 +75,6 @@ KN_API KN_CHECKED kn_status kn_spline_from_bezier(kn_ctx *ctx, kn_spline *out, c
                                                   const int *continuity);
 KN_API KN_CHECKED kn_status kn_spline_of_bezier(kn_ctx *ctx, kn_spline *out, const kn_bezier *a); // over [0,1]^n
 
-// Frees what kn_spline_to_bezier and the readers allocate as arrays.
-KN_API void kn_free(kn_ctx *ctx, void *block);
-
 #ifdef __cplusplus
 }
 #endif
