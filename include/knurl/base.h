@@ -16,11 +16,11 @@
 #if defined(__GNUC__)
 #define KN_API __attribute__((visibility("default")))
 #define KN_CHECKED __attribute__((warn_unused_result))
-#define KN_PRINTF(format, first) __attribute__((format(printf, format, first)))
+#define KN_PRINTF(string, first) __attribute__((format(printf, string, first)))
 #else
 #define KN_API
 #define KN_CHECKED
-#define KN_PRINTF(format, first)
+#define KN_PRINTF(string, first)
 #endif
 
 // Named limits. Beyond them a call answers KN_ELIMIT before it counts or allocates anything.

@@ -1,0 +1,199 @@
+# SPDX-License-Identifier: Apache-2.0
+# Builds, tests and installs knurl. `make help` lists what it can do.
+#
+#   config=release|debug|sanitize|coverage|fuzz   what kind of build (default release)
+#   CC=gcc|clang                                  compiler; C++ follows it unless CXX is given
+#   O=build                                       build root; everything made lies in $(O)/<config>/
+#   V=1                                           show whole commands
+
+config ?= release
+O ?= build
+B := $(O)/$(config)
+VERSION := $(shell sed -n 's/^.define KN_VERSION_STRING "\(.*\)"/\1/p' include/knurl/base.h)
+SOVERSION := $(firstword $(subst ., ,$(VERSION)))
+
+ifeq ($(filter -j%,$(MAKEFLAGS)),)
+MAKEFLAGS += -j$(shell nproc 2>/dev/null || echo 1)
+endif
+MAKEFLAGS += --no-builtin-rules
+.SUFFIXES:
+.DELETE_ON_ERROR:
+.DEFAULT_GOAL := all
+
+# ---- compilers and flags ----
+ifeq ($(origin CC),default)
+CC := $(if $(filter fuzz,$(config)),clang,gcc)
+endif
+ifeq ($(origin CXX),default)
+CXX := $(if $(findstring clang,$(CC)),$(subst clang,clang++,$(CC)),$(subst gcc,g++,$(CC)))
+endif
+AR ?= ar
+
+# Bit-identical results between compilers and optimisation levels: no contraction, no fast-math, no -march.
+COMMON := -Wall -Wextra -Werror -ffp-contract=off -fvisibility=hidden -fPIC -pthread -g
+WARN_C := -std=c17 -Wpedantic -Wshadow -Wconversion
+WARN_CXX := -std=c++17
+CPP := -Iinclude -I. -D_POSIX_C_SOURCE=200809L
+OPT_release := -O3 -DNDEBUG
+OPT_debug := -O0
+SANITIZERS := -fsanitize=address,undefined -fno-sanitize-recover=all -fno-omit-frame-pointer
+OPT_sanitize := -O1 $(SANITIZERS)
+OPT_coverage := -O0 --coverage
+OPT_fuzz := -O1 $(SANITIZERS) -fsanitize=fuzzer-no-link
+ifeq ($(origin OPT_$(config)),undefined)
+$(error config=$(config): one of release debug sanitize coverage fuzz)
+endif
+OPT := $(OPT_$(config))
+ALL_CFLAGS = $(WARN_C) $(COMMON) $(OPT) $(CPP) $(CFLAGS)
+ALL_CXXFLAGS = $(WARN_CXX) $(COMMON) $(OPT) $(CPP) $(CXXFLAGS)
+ALL_LDFLAGS = $(OPT) -pthread $(LDFLAGS)
+LIBS := -lm
+
+# ---- optional libraries, all in one place: a header that tells whether it is there, flags, what to link ----
+EXTERNALS := tinygltf embree png occt jansson sisl cmocka
+HEADER_tinygltf := tiny_gltf.h
+LIBS_tinygltf := -ltinygltf
+HEADER_embree := embree3/rtcore.h
+LIBS_embree := -lembree3
+HEADER_png := png.h
+LIBS_png := -lpng
+HEADER_occt := opencascade/Standard_Version.hxx
+CPP_occt := -isystem /usr/include/opencascade
+LIBS_occt := -lTKXDESTEP -lTKXCAF -lTKLCAF -lTKCAF -lTKVCAF -lTKCDF -lTKSTEP -lTKSTEP209 -lTKSTEPAttr -lTKSTEPBase -lTKXSBase \
+  -lTKShHealing -lTKBO -lTKTopAlgo -lTKGeomAlgo -lTKBRep -lTKGeomBase -lTKG3d -lTKG2d -lTKMath -lTKernel
+HEADER_jansson := jansson.h
+LIBS_jansson := -ljansson
+HEADER_sisl := sisl.h
+LIBS_sisl := -lsisl
+HEADER_cmocka := cmocka.h
+LIBS_cmocka := -lcmocka
+
+
+hash := \#
+FOUND := $(shell printf '%s\n' $(foreach e,$(EXTERNALS),'$(hash)if __has_include(<$(HEADER_$(e))>)' $(e) '$(hash)endif') \
+  | $(CXX) -E -P -x c++ -)
+
+# ---- what there is to build: every file that exists in its place ----
+MODULES := kernel bezier trivar compose mesh implicit levelset subdiv io
+LIB_SRC := $(foreach m,$(MODULES),$(wildcard $(m)/*.c))
+BRIDGES := $(filter $(FOUND),$(notdir $(patsubst %/,%,$(wildcard bridges/*/))))
+bridge_src = $(wildcard bridges/$(1)/*.cpp bridges/$(1)/*.c)
+BRIDGE_SRC := $(foreach b,$(BRIDGES),$(call bridge_src,$(b)))
+CLI_SRC := $(wildcard cli/*.c)
+TEST_SRC := $(wildcard tests/*/t_*.c)
+SUPPORT_SRC := $(wildcard tests/support/*.c)
+BENCH_SRC := $(wildcard bench/*.c)
+FUZZ_SRC := $(wildcard tests/fuzz/fuzz_*.c)
+HELPER_SRC := $(filter-out $(TEST_SRC) $(SUPPORT_SRC) tests/fuzz/%,$(wildcard tests/*/*.c)) # shared by a folder's tests
+
+objects = $(patsubst %,$(B)/obj/%.o,$(1))
+LIB_OBJ := $(call objects,$(LIB_SRC)) $(B)/obj/gen/embedded.c.o
+LIB := $(B)/libknurl.a
+BRIDGE_LIBS := $(foreach b,$(BRIDGES),$(B)/libknurl_$(b).a)
+BRIDGE_LINK := $(foreach b,$(BRIDGES),$(LIBS_$(b))) $(if $(BRIDGES),-lstdc++)
+WITH := $(foreach b,$(BRIDGES),-DKN_WITH_$(shell echo $(b) | tr a-z A-Z)=1)
+SHARED := $(if $(filter release debug,$(config)),$(B)/libknurl.so.$(VERSION))
+KNURL := $(if $(CLI_SRC),$(B)/knurl)
+TESTS := $(if $(filter cmocka,$(FOUND)),$(patsubst %.c,$(B)/%,$(filter-out $(if $(KNURL),,tests/cli/%),$(TEST_SRC))))
+BENCHES := $(patsubst %.c,$(B)/%,$(BENCH_SRC))
+FUZZERS := $(patsubst %.c,$(B)/%,$(FUZZ_SRC))
+ALL_SRC := $(LIB_SRC) $(BRIDGE_SRC) $(CLI_SRC) $(TEST_SRC) $(SUPPORT_SRC) $(HELPER_SRC) $(BENCH_SRC) $(wildcard tests/fuzz/*.c)
+
+.PHONY: all lib tests benches fuzzers bench check
+all: lib $(KNURL)
+lib: $(LIB) $(SHARED)
+tests: $(TESTS)
+benches: $(BENCHES)
+fuzzers: $(FUZZERS)
+
+Q := $(if $(V),,@)
+say = $(if $(V),,@printf '  %-5s %s\n' $(1) $(2))
+
+# A file that changes when the flags do, so that no object survives from other flags.
+$(shell mkdir -p $(B); printf '%s\n' '$(CC) $(CXX) $(ALL_CFLAGS) $(ALL_CXXFLAGS) $(WITH)' > $(B)/flags.new; \
+  cmp -s $(B)/flags.new $(B)/flags || cp $(B)/flags.new $(B)/flags; rm -f $(B)/flags.new)
+
+$(B)/obj/cli/%.o $(B)/obj/tests/%.o: CPP += $(WITH)
+$(B)/obj/bridges/occt/%.o $(B)/obj/tests/bridges/%.o: CPP += $(CPP_occt)
+$(B)/obj/%_avx2.c.o: OPT += -mavx2
+$(B)/obj/%_avx512.c.o: OPT += -mavx512f -mavx512dq -mavx512vl
+$(B)/obj/%.c.o: %.c $(B)/flags
+	@mkdir -p $(@D)
+	$(call say,CC,$<)
+	$(Q)$(CC) $(ALL_CFLAGS) -MMD -MP -c -o $@ $<
+$(B)/obj/%.cpp.o: %.cpp $(B)/flags
+	@mkdir -p $(@D)
+	$(call say,CXX,$<)
+	$(Q)$(CXX) $(ALL_CXXFLAGS) -MMD -MP -c -o $@ $<
+$(B)/obj/gen/%.c.o: $(B)/gen/%.c $(B)/flags
+	@mkdir -p $(@D)
+	$(call say,CC,$<)
+	$(Q)$(CC) $(ALL_CFLAGS) -MMD -MP -c -o $@ $<
+-include $(patsubst %,$(B)/obj/%.d,$(ALL_SRC)) $(B)/obj/gen/embedded.c.d
+
+$(LIB): $(LIB_OBJ) $(B)/lib.list
+	$(call say,AR,$@)
+	$(Q)rm -f $@; $(AR) rcs $@ $(LIB_OBJ)
+$(SHARED): $(LIB_OBJ) $(B)/lib.list
+	$(call say,LINK,$@)
+	$(Q)$(CC) -shared -Wl,-soname,libknurl.so.$(SOVERSION) -Wl,--no-undefined $(ALL_LDFLAGS) -o $@ $(LIB_OBJ) $(LIBS)
+	$(Q)ln -sf $(@F) $(B)/libknurl.so.$(SOVERSION); ln -sf libknurl.so.$(SOVERSION) $(B)/libknurl.so
+# Rewritten when a source comes or goes.
+$(shell printf '%s\n' $(LIB_SRC) > $(B)/lib.new; cmp -s $(B)/lib.new $(B)/lib.list || cp $(B)/lib.new $(B)/lib.list; \
+  rm -f $(B)/lib.new)
+
+define bridge_rule
+$(B)/libknurl_$(1).a: $$(call objects,$$(call bridge_src,$(1)))
+	$$(call say,AR,$$@)
+	$$(Q)rm -f $$@; $$(AR) rcs $$@ $$^
+endef
+$(foreach b,$(BRIDGES),$(eval $(call bridge_rule,$(b))))
+
+$(B)/knurl: $(call objects,$(CLI_SRC)) $(BRIDGE_LIBS) $(LIB)
+	$(call say,LINK,$@)
+	$(Q)$(CC) $(ALL_LDFLAGS) -o $@ $^ $(BRIDGE_LINK) $(if $(filter jansson,$(FOUND)),-ljansson) $(LIBS)
+
+# ---- built-in tiles: files of data/tiles become constant bytes in the library ----
+EMBEDDED := $(sort $(shell find data/tiles -type f -name '*.g2' 2>/dev/null))
+$(shell printf '%s\n' $(EMBEDDED) > $(B)/embed.new; cmp -s $(B)/embed.new $(B)/embed.list || cp $(B)/embed.new $(B)/embed.list; \
+  rm -f $(B)/embed.new)
+$(B)/gen/embedded.c: tools/embed.sh $(B)/embed.list $(EMBEDDED)
+	@mkdir -p $(@D)
+	$(call say,EMBED,$@)
+	$(Q)tools/embed.sh data/tiles $(EMBEDDED) > $@
+
+# ---- tests: each t_*.c is a program; it may use libknurl's internals, so it links the static library ----
+SUPPORT := $(B)/libsupport.a
+$(SUPPORT): $(call objects,$(SUPPORT_SRC))
+	$(Q)rm -f $@; $(AR) rcs $@ $^
+TEST_LIBS := -lcmocka $(if $(filter jansson,$(FOUND)),-ljansson)
+define test_rule
+$(B)/tests/$(1)/t_%: $(B)/obj/tests/$(1)/t_%.c.o $(call objects,$(filter tests/$(1)/%,$(HELPER_SRC))) $(SUPPORT) \
+  $(if $(filter bridges cli,$(1)),$(BRIDGE_LIBS)) $(LIB)
+	@mkdir -p $$(@D)
+	$$(call say,LINK,$$@)
+	$$(Q)$$(CC) $$(ALL_LDFLAGS) -o $$@ $$^ $(if $(filter bridges cli,$(1)),$(BRIDGE_LINK)) $$(TEST_LIBS) $$(LIBS)
+endef
+$(foreach d,$(sort $(patsubst tests/%/,%,$(dir $(TEST_SRC)))),$(eval $(call test_rule,$(d))))
+
+$(B)/tests/fuzz/fuzz_%: $(B)/obj/tests/fuzz/fuzz_%.c.o $(if $(filter fuzz,$(config)),,$(B)/obj/tests/fuzz/driver.c.o) $(LIB)
+	@mkdir -p $(@D)
+	$(call say,LINK,$@)
+	$(Q)$(CC) $(subst fuzzer-no-link,fuzzer,$(ALL_LDFLAGS)) -o $@ $^ $(LIBS)
+
+# ---- benchmarks ----
+$(B)/obj/bench/%.o: CPP += $(if $(filter sisl,$(FOUND)),-DKN_WITH_SISL=1)
+$(B)/bench/%: $(B)/obj/bench/%.c.o $(LIB)
+	@mkdir -p $(@D)
+	$(call say,LINK,$@)
+	$(Q)$(CC) $(ALL_LDFLAGS) -o $@ $^ $(if $(filter sisl,$(FOUND)),-lsisl -lstdc++) $(LIBS)
+bench: benches
+	$(Q)for b in $(BENCHES); do echo "== $$b"; $$b || exit 1; done
+
+.SECONDARY:
+
+.PHONY: run-tests clean
+run-tests: tests $(KNURL)
+	$(Q)for t in $(TESTS); do echo "== $$t"; KNURL=$(B)/knurl $$t || bad=1; done; test -z "$$bad"
+clean:
+	rm -rf $(O)
