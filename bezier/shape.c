@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: Apache-2.0
+// Checks and shapes that the operations on kn_bezier share.
+#include "bezier/shape.h"
+#include "kernel/bernstein.h"
+
+size_t kn_bezier_count(const kn_bezier *b)
+{
+    return kn_bernstein_count(b->nvars, b->degree);
+}
+
+int kn_bezier_dim(const kn_bezier *b)
+{
+    return b->ncomp - (b->rational ? 1 : 0);
+}
+
+kn_status kn_bezier_check(kn_ctx *ctx, const char *what, int nvars, int ncomp, bool rational, const int *degree)
+{
+    if (nvars < 0 || ncomp < (rational ? 2 : 1))
+        return kn_fail(ctx, KN_EDOMAIN, "%s: nvars %d, ncomp %d", what, nvars, ncomp);
+    if (nvars > KN_MAX_VARS || ncomp > KN_MAX_COMPS)
+        return kn_fail(ctx, KN_ELIMIT, "%s: nvars %d (at most %d), ncomp %d (at most %d)", what, nvars, KN_MAX_VARS,
+                       ncomp, KN_MAX_COMPS);
+    size_t count = (size_t)ncomp;
+    for (int d = 0; d < nvars; d++) {
+        if (degree[d] < 0) return kn_fail(ctx, KN_EDOMAIN, "%s: degree %d in variable %d", what, degree[d], d);
+        if (degree[d] > KN_MAX_DEGREE)
+            return kn_fail(ctx, KN_ELIMIT, "%s: degree %d in variable %d (at most %d)", what, degree[d], d,
+                           KN_MAX_DEGREE);
+        if (count > KN_MAX_COEFS / ((size_t)degree[d] + 1))
+            return kn_fail(ctx, KN_ELIMIT, "%s: more than %zu coefficients", what, KN_MAX_COEFS);
+        count *= (size_t)degree[d] + 1;
+    }
+    return KN_OK;
+}
+
+kn_status kn_bezier_check_var(kn_ctx *ctx, const char *what, const kn_bezier *b, int var)
+{
+    if (var >= 0 && var < b->nvars) return KN_OK;
+    return kn_fail(ctx, KN_EDOMAIN, "%s: variable %d of %d", what, var, b->nvars);
+}
+
+kn_status kn_bezier_alloc(kn_ctx *ctx, kn_bezier *b, const char *what)
+{
+    b->coef = NULL;
+    kn_status status = kn_bezier_check(ctx, what, b->nvars, b->ncomp, b->rational, b->degree);
+    if (status != KN_OK) return status;
+    b->coef = kn_alloc(ctx, (size_t)b->ncomp * kn_bezier_count(b), sizeof *b->coef);
+    return b->coef ? KN_OK : KN_ENOMEM;
+}
+
+kn_status kn_bezier_finish(kn_ctx *ctx, kn_bezier *out, kn_bezier *result, kn_status status)
+{
+    if (status == KN_OK) kn_bezier_swap(out, result);
+    kn_bezier_clear(ctx, result);
+    return status;
+}
+
+kn_axis kn_bezier_axis(const kn_bezier *b, int var)
+{
+    return (kn_axis){(size_t)b->ncomp * kn_bernstein_count(var, b->degree),
+                     kn_bernstein_count(b->nvars - var - 1, b->degree + var + 1)};
+}

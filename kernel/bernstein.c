@@ -1,0 +1,163 @@
+// SPDX-License-Identifier: Apache-2.0
+// Bernstein form along one axis, and products in any number of variables.
+#include "kernel/bernstein.h"
+#include "kernel/binomial.h"
+
+#include <assert.h>
+#include <knurl/base.h>
+#include <string.h>
+
+// B^k_i = (1-t) B^(k-1)_i + t B^(k-1)_(i-1): only sums of non-negative numbers for t in [0,1].
+void kn_bernstein_basis(double *basis, int n, double t)
+{
+    double s = 1.0 - t;
+    basis[0] = 1.0;
+    for (int k = 1; k <= n; k++) {
+        basis[k] = t * basis[k - 1];
+        for (int i = k - 1; i > 0; i--) basis[i] = s * basis[i] + t * basis[i - 1];
+        basis[0] *= s;
+    }
+}
+
+void kn_bernstein_contract(double *out, const double *in, size_t outer, int m, size_t inner, const double *basis)
+{
+    size_t stride = (size_t)m * inner;
+    for (size_t o = 0; o < outer; o++, in += stride, out += inner)
+        for (size_t j = 0; j < inner; j++) {
+            double sum = basis[0] * in[j];
+            for (int i = 1; i < m; i++) sum += basis[i] * in[(size_t)i * inner + j];
+            out[j] = sum;
+        }
+}
+
+// After step k the first k entries hold left's coefficients and the last k right's: both live in one triangle.
+void kn_bernstein_split(double *left, double *right, const double *in, size_t outer, int n, size_t inner, double t)
+{
+    double s = 1.0 - t;
+    size_t stride = (size_t)(n + 1) * inner;
+    for (size_t o = 0; o < outer; o++, in += stride, left += stride, right += stride)
+        for (size_t j = 0; j < inner; j++) {
+            double p[KN_MAX_DEGREE + 1];
+            for (int i = 0; i <= n; i++) p[i] = in[(size_t)i * inner + j];
+            for (int k = 0; k <= n; k++) {
+                left[(size_t)k * inner + j] = p[0];
+                right[(size_t)(n - k) * inner + j] = p[n - k];
+                for (int i = 0; i < n - k; i++) p[i] = s * p[i] + t * p[i + 1];
+            }
+        }
+}
+
+// C(N,k) c_k = sum_i C(n,i) C(N-n,k-i) b_i, which is the product with the constant 1 of degree N - n.
+// For one step this is c_k = (k b_(k-1) + (N-k) b_k) / N.
+void kn_bernstein_elevate(double *out, const double *in, size_t outer, int n, int to, size_t inner)
+{
+    assert(n <= to && to <= KN_MAX_DEGREE);
+    double bn[KN_MAX_DEGREE + 1], br[KN_MAX_DEGREE + 1], bt[KN_MAX_DEGREE + 1];
+    kn_binomial_row(bn, n);
+    kn_binomial_row(br, to - n);
+    kn_binomial_row(bt, to);
+    for (size_t o = 0; o < outer; o++)
+        for (int k = 0; k <= to; k++) {
+            double *c = out + (o * (size_t)(to + 1) + (size_t)k) * inner;
+            int first = k > to - n ? k - (to - n) : 0, last = k < n ? k : n;
+            for (size_t j = 0; j < inner; j++) {
+                double sum = 0.0;
+                for (int i = first; i <= last; i++)
+                    sum += bn[i] * br[k - i] * in[(o * (size_t)(n + 1) + (size_t)i) * inner + j];
+                c[j] = sum / bt[k];
+            }
+        }
+}
+
+void kn_bernstein_differentiate(double *out, const double *in, size_t outer, int n, size_t inner)
+{
+    if (n == 0) {
+        memset(out, 0, outer * inner * sizeof *out);
+        return;
+    }
+    size_t stride = (size_t)(n + 1) * inner, to = (size_t)n * inner;
+    for (size_t o = 0; o < outer; o++, in += stride, out += to)
+        for (size_t j = 0; j < to; j++) out[j] = n * (in[j + inner] - in[j]);
+}
+
+size_t kn_bernstein_count(int nvars, const int *degree)
+{
+    size_t count = 1;
+    for (int d = 0; d < nvars; d++) count *= (size_t)degree[d] + 1;
+    return count;
+}
+
+typedef struct axis {
+    size_t outer, inner;
+    int n;
+} axis;
+
+static axis axis_of(int nvars, const int *degree, int d)
+{
+    return (axis){kn_bernstein_count(d, degree), kn_bernstein_count(nvars - d - 1, degree + d + 1), degree[d]};
+}
+
+void kn_bernstein_scale(double *scaled, const double *in, int nvars, const int *degree)
+{
+    size_t count = kn_bernstein_count(nvars, degree);
+    if (scaled != in) memcpy(scaled, in, count * sizeof *scaled);
+    for (int d = 0; d < nvars; d++) {
+        axis x = axis_of(nvars, degree, d);
+        double row[KN_MAX_DEGREE + 1], *p = scaled;
+        kn_binomial_row(row, x.n);
+        for (size_t o = 0; o < x.outer; o++)
+            for (int i = 0; i <= x.n; i++, p += x.inner)
+                for (size_t j = 0; j < x.inner; j++) p[j] *= row[i];
+    }
+}
+
+void kn_bernstein_unscale(double *out, const double *scaled, int nvars, const int *degree)
+{
+    size_t count = kn_bernstein_count(nvars, degree);
+    if (out != scaled) memcpy(out, scaled, count * sizeof *out);
+    for (int d = 0; d < nvars; d++) {
+        axis x = axis_of(nvars, degree, d);
+        double row[KN_MAX_DEGREE + 1], *p = out;
+        kn_binomial_row(row, x.n);
+        for (size_t o = 0; o < x.outer; o++)
+            for (int i = 0; i <= x.n; i++, p += x.inner)
+                for (size_t j = 0; j < x.inner; j++) p[j] /= row[i];
+    }
+}
+
+// Counts up the multi-index, last variable fastest, as coefficients lie.
+void kn_bernstein_places(size_t *at, int nvars, const int *degree, const int *target)
+{
+    int index[KN_MAX_VARS] = {0};
+    size_t step[KN_MAX_VARS], place = 0, count = kn_bernstein_count(nvars, degree);
+    for (int d = 0; d < nvars; d++) {
+        assert(degree[d] <= target[d]);
+        step[d] = kn_bernstein_count(nvars - d - 1, target + d + 1);
+    }
+    for (size_t i = 0; i < count; i++) {
+        at[i] = place;
+        for (int d = nvars - 1; d >= 0; d--) {
+            place += step[d];
+            if (++index[d] <= degree[d]) break;
+            place -= (size_t)(degree[d] + 1) * step[d];
+            index[d] = 0;
+        }
+    }
+}
+
+// C(m+n,k) c_k = sum_(i+j=k) C(m,i) a_i C(n,j) b_j in each variable. In c's layout i_d + j_d never carries into the
+// next variable, so the place of a product is the sum of the places, and along the last variable b's row of
+// contiguous coefficients falls on contiguous ones of c.
+void kn_bernstein_convolve(double *c, const double *a, const size_t *place_a, size_t na, const double *b,
+                           const size_t *place_b, size_t nb, int row_b, double sign)
+{
+    size_t row = (size_t)row_b;
+    for (size_t i = 0; i < na; i++) {
+        double f = sign * a[i];
+        for (size_t r = 0; r < nb; r += row) {
+            double *restrict to = c + place_a[i] + place_b[r];
+            const double *restrict from = b + r;
+            for (size_t j = 0; j < row; j++) to[j] += f * from[j];
+        }
+    }
+}

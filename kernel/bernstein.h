@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+// Bernstein form on raw arrays: no allocation, no status; the caller sees to sizes.
+// Most act along one axis of an array seen as (outer, n + 1, inner), n the degree: element (o, i, j) lies at
+// (o * (n + 1) + i) * inner + j. Arrays do not overlap unless a function says that they may be the same.
+#ifndef KERNEL_BERNSTEIN_H
+#define KERNEL_BERNSTEIN_H
+
+#include <stddef.h>
+
+// basis[i] = C(n,i) t^i (1-t)^(n-i), i = 0 .. n; any real t. Non-negative on [0,1].
+void kn_bernstein_basis(double *basis, int n, double t);
+// out (outer, inner) = sum_i basis[i] in(., i, .), for m = n + 1 numbers in basis. out may be in.
+void kn_bernstein_contract(double *out, const double *in, size_t outer, int m, size_t inner, const double *basis);
+// De Casteljau at t: left is the piece over [0,t], right over [t,1]. left may be in; right may be in; any t.
+void kn_bernstein_split(double *left, double *right, const double *in, size_t outer, int n, size_t inner, double t);
+// out (outer, to + 1, inner) = in (outer, n + 1, inner) with degree `to` >= n.
+void kn_bernstein_elevate(double *out, const double *in, size_t outer, int n, int to, size_t inner);
+// out (outer, n, inner) = the derivative along the axis, n >= 1; for n = 0 out (outer, 1, inner) is zero.
+// out may be in.
+void kn_bernstein_differentiate(double *out, const double *in, size_t outer, int n, size_t inner);
+
+// The number of coefficients, prod_d (degree[d] + 1).
+size_t kn_bernstein_count(int nvars, const int *degree);
+// scaled[i] = in[i] prod_d C(degree[d], i_d). scaled may be in. kn_bernstein_unscale divides instead.
+void kn_bernstein_scale(double *scaled, const double *in, int nvars, const int *degree);
+void kn_bernstein_unscale(double *out, const double *scaled, int nvars, const int *degree);
+// at[i] = the place of coefficient i of an array with `degree` in an array with `target` >= degree.
+void kn_bernstein_places(size_t *at, int nvars, const int *degree, const int *target);
+// c += a * b (sign 1.0) or c -= a * b (sign -1.0), all three scaled (kn_bernstein_scale).
+// place_a: na places of a in c; place_b: those of b in c, of which each (last degree of b + 1)-th is used.
+void kn_bernstein_convolve(double *c, const double *a, const size_t *place_a, size_t na, const double *b,
+                           const size_t *place_b, size_t nb, int row_b, double sign);
+
+#endif
