@@ -1,0 +1,70 @@
+#!/bin/sh
+# SPDX-License-Identifier: Apache-2.0
+# layers.sh [ROOT]: fails unless every #include points downwards in this table, and the core includes only standard
+# and POSIX headers from outside.
+#
+#   0 kernel                     base.h
+#   1 bezier                     bezier.h spline.h
+#   2 trivar compose mesh        shell.h compose.h mesh.h
+#   3 implicit levelset subdiv
+#   4 io                         io.h knurl.h
+#   5 bridges/*
+#   6 cli examples bench tests
+#
+# Within a layer, folders see each other's public headers only. Bridges share the headers that lie in bridges/ itself,
+# tests share tests/support, and examples see <knurl/...> alone.
+set -eu
+cd "${1:-.}"
+
+files=$(find kernel bezier trivar compose mesh implicit levelset subdiv io bridges cli examples bench tests include \
+    -type f \( -name '*.[ch]' -o -name '*.cpp' -o -name '*.hpp' \) 2>/dev/null | LC_ALL=C sort)
+# shellcheck disable=SC2086
+LC_ALL=C awk '
+BEGIN {
+    split("base 0 bezier 1 spline 1 shell 2 compose 2 mesh 2 io 4 knurl 4", word, " ")
+    for (i = 1; i in word; i += 2) public_level["include/knurl/" word[i] ".h"] = word[i + 1]
+    split("kernel 0 bezier 1 trivar 2 compose 2 mesh 2 implicit 3 levelset 3 subdiv 3 io 4 bridges 5" \
+          " cli 6 examples 6 bench 6 tests 6", word, " ")
+    for (i = 1; i in word; i += 2) folder_level[word[i]] = word[i + 1]
+    split("assert complex ctype errno fenv float inttypes iso646 limits locale math setjmp signal stdalign stdarg" \
+          " stdatomic stdbool stddef stdint stdio stdlib stdnoreturn string tgmath threads time uchar wchar wctype" \
+          " pthread sched unistd fcntl sys/types sys/stat immintrin cpuid", word, " ")
+    for (i = 1; i in word; i++) allowed["<" word[i] ".h>"] = 1
+    for (i = 1; i < ARGC; i++) exists[ARGV[i]] = 1
+}
+function folder(path,   part) { # bridges/occt and tests/io count as one folder each
+    split(path, part, "/")
+    return part[1] == "bridges" || part[1] == "tests" || part[1] == "examples" ? part[1] "/" part[2] : part[1]
+}
+function level(path,   part) {
+    if (path in public_level) return public_level[path]
+    split(path, part, "/")
+    return part[1] in folder_level ? folder_level[part[1]] : -1
+}
+function bad(why) { printf "%s:%d: %s\n", FILENAME, FNR, why; errors++ }
+function check_project(target) {
+    if (level(FILENAME) < 0) return bad("a file outside the layer table")
+    if (level(target) < 0) return bad("includes " target ", which is in no layer")
+    if (level(target) > level(FILENAME)) return bad("includes " target ", which lies above")
+    if (target in public_level) return
+    if (FILENAME ~ /^include\//) return bad("a public header includes the internal " target)
+    if (FILENAME ~ /^examples\//) return bad("an example includes the internal " target)
+    if (level(target) == level(FILENAME) && folder(target) != folder(FILENAME) &&
+        target !~ /^(tests\/support\/.*|bridges\/[^\/]*)$/)
+        return bad("includes " target ", internal to another folder of its layer")
+}
+/^[ \t]*#[ \t]*include[ \t]*[<"]/ {
+    match($0, /[<"][^>"]*[>"]/)
+    name = substr($0, RSTART, RLENGTH)
+    bare = substr(name, 2, length(name) - 2)
+    if (bare ~ /(^|\/)\.\.?\//) { bad("a path with dots: " bare); next }
+    here = FILENAME
+    sub(/[^\/]*$/, "", here)
+    if (name ~ /^<knurl\//) { if (("include/" bare) in exists) check_project("include/" bare); else bad("no " name) }
+    else if (name ~ /^"/ && (here bare) in exists) check_project(here bare)
+    else if (name ~ /^"/ && bare in exists) check_project(bare)
+    else if (name ~ /^"/) bad("no such file in the project: " bare)
+    else if (level(FILENAME) >= 0 && level(FILENAME) <= 4 && !(name in allowed)) bad("the core includes " name)
+}
+END { exit errors > 0 }
+' $files

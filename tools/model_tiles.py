@@ -1,0 +1,214 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""Writes the geometry of the built-in tiles: python3 tools/model_tiles.py data/tiles
+
+Every tile is modelled in real proportions, cell width 1, and written in cell coordinates (u, v, w), w = z / aspect.
+Coordinates are multiples of 2^-12 and knots are integers, so that splitting at knots, mirroring and translating by
+whole cells are exact in binary, and edges that belong together are equal bit for bit.
+"""
+import os
+import sys
+
+GRID = 4096
+
+
+def q(x):
+    """The nearest multiple of 2^-12."""
+    return round(x * GRID) / GRID
+
+
+def mid(a, b):
+    return tuple((x + y) / 2 for x, y in zip(a, b))
+
+
+def clamped(degree, spans):
+    return [0] * (degree + 1) + list(range(1, spans)) + [spans] * (degree + 1)
+
+
+def closed(points):
+    """Clamped control points of the closed C1 quadratic with these control points, one span for each; it starts
+    midway between the last and the first."""
+    seam = mid(points[-1], points[0])
+    return [seam] + points + [seam]
+
+
+class Surface:
+    """net[i][j]: the control point for r = i, t = j, degree 2 or 1 in each variable, C1 over integer knots."""
+
+    def __init__(self, net, degree=(2, 2)):
+        self.net = [[tuple(p) for p in row] for row in net]
+        self.degree = degree
+
+    def reversed(self):
+        return Surface([row[::-1] for row in self.net], self.degree)
+
+    def map(self, f):
+        return Surface([[f(p) for p in row] for row in self.net], self.degree)
+
+    def in_cell(self, aspect, z0=0.0):
+        return self.map(lambda p: (q(p[0]), q(p[1]), q((p[2] - z0) / aspect)))
+
+    def g2(self):
+        lines = ["200 1 0 0", "3 0"]
+        for d, n in ((self.degree[0], len(self.net)), (self.degree[1], len(self.net[0]))):
+            lines += ["%d %d" % (n, d + 1), " ".join(map(str, clamped(d, n - d)))]
+        for j in range(len(self.net[0])):
+            for row in self.net:
+                lines.append(" ".join(repr(float(c)).removesuffix(".0") for c in row[j]))
+        return "\n".join(lines) + "\n"
+
+
+# ---- chain: Japanese four-in-one mail: flat rings joined by upright links ----
+
+CHAIN = dict(ring=0.3671875, wire=0.078125, link=(0.3125, 0.1875), link_wire=0.0625)
+CHAIN_ASPECT = 0.5
+
+
+def square(a):
+    """A control square whose closed quadratic is nearly a circle of radius a, the seam at (a, 0)."""
+    return [(a, a), (-a, a), (-a, -a), (a, -a)]
+
+
+def chain_ring():
+    tube = closed(square(CHAIN["wire"]))
+    around = closed(square(1.0))
+    return Surface([[(0.5 + x * (CHAIN["ring"] + e), 0.5 + y * (CHAIN["ring"] + e), z) for e, z in tube]
+                    for x, y in around])
+
+
+def chain_half_link():
+    """The half at u <= 1 of the link about (1, .5), from the top of the plane u = 1 to its bottom."""
+    half, height = CHAIN["link"]
+    tube = closed(square(CHAIN["link_wire"]))
+    path = [(0, 1), (-1, 1), (-1, -1), (0, -1)]
+    return Surface([[(1 + x * (half + e), 0.5 + y, z * (height + e)) for e, y in tube] for x, z in path])
+
+
+def chain():
+    z0 = -CHAIN_ASPECT / 2
+    right = chain_half_link()
+    left = right.map(lambda p: (1 - p[0], p[1], p[2])).reversed()
+    turn = lambda p: (p[1], p[0], p[2])
+    links = [right, left, right.map(turn).reversed(), left.map(turn).reversed()]
+    return {"ring": [chain_ring().in_cell(CHAIN_ASPECT, z0)], "link": [s.in_cell(CHAIN_ASPECT, z0) for s in links]}
+
+
+# ---- scale: two rows of scales a cell, staggered; one folded sheet ----
+
+SCALE_ASPECT = 0.28125
+SCALE = dict(shoulder=0.53125, tip=0.9375, point=0.3, nose=0.03125, thick=0.05,
+             mid=0.135, rise=0.2, curl=0.02, dome=0.05, ridge=0.02)
+
+
+def scale_half(s):
+    """Half a scale in its own coordinates: x from 0 at the ridge to 1 at the shoulder (half a cell), y from its root
+    at 0; z. Nets over x (three columns) by t (three rows): lower and upper top, nose, underside."""
+    def column(values):  # quadratic Bernstein coefficients of a + b x + c x^2
+        a, b, c = values
+        return (a, a + b / 2, a + b + c)
+    drop = s["tip"] - s["shoulder"]
+    rim = column((s["tip"], -drop * s["point"], -drop * (1 - s["point"])))
+    z_mid = column((s["mid"], -s["ridge"], -s["dome"]))
+    lower, upper, nose, under = [], [], [], []
+    for i in range(3):
+        x, reach = i / 2, rim[i] - 0.5
+        slope = s["rise"]
+        lower.append([(x, 0, 0), (x, 0.25, z_mid[i] - slope * 0.25), (x, 0.5, z_mid[i])])
+        z_rim = z_mid[i] + slope * reach + s["curl"] * (2 - i) / 2
+        upper.append([(x, 0.5, z_mid[i]), (x, 0.5 + reach / 2, z_mid[i] + slope * reach / 2), (x, rim[i], z_rim)])
+        lead = 2 * (z_rim - z_mid[i] - slope * reach / 2) / reach  # the slope at which the top arrives at its rim
+        front = (x, rim[i] + s["nose"], z_rim + s["nose"] * lead)
+        below = (x, rim[i], z_rim - s["thick"])
+        nose.append([upper[-1][2], front, below])
+        under.append([below, (x, 0.5 + 0.02, z_rim - s["thick"] - 0.6 * slope * reach), (x, 0.5, 0)])
+    return [lower, upper, nose, under]
+
+
+def scale():
+    half = scale_half(SCALE)
+    patches = []
+    for k, net in enumerate(half):
+        for side in (1, -1):
+            a = Surface(net).map(lambda p: (0.5 + side * p[0] / 2, p[1], p[2]))
+            shift = 0.5 if k == 0 else -0.5
+            b = Surface(net).map(lambda p: ((0 if side > 0 else 1) + side * p[0] / 2, p[1] + shift, p[2]))
+            for s in (a, b):
+                patches.append(s if side > 0 else Surface(s.net[::-1]))
+    return {"scale": [s.in_cell(SCALE_ASPECT) for s in patches]}
+
+
+# ---- thorn: a flat sheet out of which a bent horn grows ----
+
+THORN_ASPECT = 0.75
+# centre u, z, radius, slope of the ring's plane (z falls by it towards +u); the last is the tip
+THORN = [(0.4375, 0, 0.5, 0), (0.4375, 0, 0.23, 0), (0.46, 0.46, 0.15, 0.35), (0.84, 0.74, 0.03, 1.2), (0.84, 0.74, 0, 0)]
+
+
+def thorn():
+    rings = []
+    for u, z, radius, fall in THORN:
+        f = radius / (1 + fall * fall) ** 0.5
+        rings.append([(u, 0.5 - radius, z), (u + f, 0.5, z - fall * f), (u, 0.5 + radius, z), (u - f, 0.5, z + fall * f)])
+    horn = [Surface(list(map(list, zip(*[closed(r) for r in rings])))).in_cell(THORN_ASPECT)]
+    around = horn[0].net
+    corners = [(0, 0), (1, 0), (1, 1), (0, 1)]
+    sheet = []
+    for k in range(4):  # from the foot's span k out to side k of the cell
+        foot = [around[0][0] if k == 0 else mid(around[k][0], around[k + 1][0]), around[k + 1][0],
+                mid(around[k + 1][0], around[k + 2][0]) if k < 3 else around[5][0]]
+        a, b = corners[k] + (0.0,), corners[(k + 1) % 4] + (0.0,)
+        side = [a, mid(a, b), b]
+        sheet.append(Surface([[s, f] for s, f in zip(side, foot)], (2, 1)))
+    return {"thorn": horn + sheet}
+
+
+# ---- knurl: pyramids between two families of V grooves ----
+
+KNURL_ASPECT = 0.1875
+KNURL_CREST = 0.0625
+
+
+def knurl():
+    c = KNURL_CREST
+    flat, patches = [], []
+    def patch(p00, p10, p01, p11):
+        patches.append(Surface([[p00, p01], [p10, p11]], (1, 1)))
+    turn = lambda p: (1 - p[1], p[0], p[2])  # a quarter turn about the cell's centre
+    inner = [(0.5, 0, 0), (1, 0.5, 0), (0.5, 0.5 - c, 1), (0.5 + c, 0.5, 1)]
+    corner = [(0.5, 0, 0), (0, 0.5, 0), (c, 0, 1), (0, c, 1)]
+    cap = [(0, 0, 1), (c, 0, 1), (0, 0, 1), (0, c, 1)]
+    for _ in range(4):
+        patch(*inner)
+        patch(corner[1], corner[0], corner[3], corner[2])
+        patch(*cap)
+        inner, corner, cap = [[turn(p) for p in f] for f in (inner, corner, cap)]
+    patch((0.5, 0.5 - c, 1), (0.5 + c, 0.5, 1), (0.5 - c, 0.5, 1), (0.5, 0.5 + c, 1))
+    return {"knurl": [s.in_cell(1.0) for s in patches]}
+
+
+# ---- bump: a dome f(u) f(v), f the C1 quadratic spline with knots 0, 1/4, 3/4, 1 and f = 0 at the border, 1 inside ----
+
+BUMP_ASPECT = 0.25
+
+
+def bump():
+    f = [(0, 0.0), (0.125, 0), (0.25, 0.5), (0.5, 1.5), (0.75, 0.5), (0.875, 0), (1, 0)]
+    patches = []
+    for i in (0, 2, 4):
+        for j in (0, 2, 4):
+            patches.append(Surface([[(u, v, a * b) for v, b in f[j:j + 3]] for u, a in f[i:i + 3]]))
+    return {"bump": [s.in_cell(1.0) for s in patches]}
+
+
+def main(folder):
+    for name, tile in (("chain", chain()), ("scale", scale()), ("thorn", thorn()), ("knurl", knurl()), ("bump", bump())):
+        os.makedirs(os.path.join(folder, name), exist_ok=True)
+        for part, surfaces in tile.items():
+            with open(os.path.join(folder, name, part + ".g2"), "w", encoding="ascii") as out:
+                out.write("".join(s.g2() for s in surfaces))
+
+
+if __name__ == "__main__":
+    if len(sys.argv) != 2:
+        sys.exit("usage: model_tiles.py FOLDER")
+    main(sys.argv[1])

@@ -1,0 +1,79 @@
+#!/bin/sh
+# SPDX-License-Identifier: Apache-2.0
+# Shows that layers.sh and symbols.sh can fail: plants one violation at a time in a temporary copy.
+set -eu
+tools=$(cd "$(dirname "$0")" && pwd)
+cc=${CC:-gcc}
+temporary=$(mktemp -d)
+trap 'rm -rf "$temporary"' EXIT
+tests=0
+
+wrong()
+{
+    echo "selftest: $1" >&2
+    exit 1
+}
+
+# layer FILE TEXT: with FILE holding TEXT, layers.sh must fail and name FILE.
+layer()
+{
+    tests=$((tests + 1))
+    root=$temporary/layers
+    rm -rf "$root"
+    mkdir -p "$root/include/knurl" "$root/kernel" "$root/bezier" "$root/trivar" "$root/compose" "$root/io" \
+        "$root/bridges/a" "$root/bridges/b" "$root/cli" "$root/examples/embed" "$root/tests/io" "$root/tests/support"
+    for header in base bezier shell compose io knurl; do echo '#include <stddef.h>' >"$root/include/knurl/$header.h"; done
+    for header in kernel/k bezier/z trivar/t compose/c io/i bridges/shared bridges/a/a bridges/b/b cli/l tests/support/support; do
+        echo '#include <knurl/base.h>' >"$root/$header.h"
+    done
+    printf '#include "i.h"\n#include "compose/c.h"\n#include <math.h>\n' >"$root/io/good.c"
+    printf '#include "bridges/shared.h"\n#include <iostream>\n' >"$root/bridges/a/good.cpp"
+    printf '#include <knurl/shell.h>\n# include "kernel/k.h"\n' >"$root/compose/good.c"
+    printf '#include "tests/support/support.h"\n#include "io/i.h"\n' >"$root/tests/io/t_good.c"
+    "$tools/layers.sh" "$root" >/dev/null || wrong "layers.sh refuses a good tree"
+    printf '%b\n' "$2" >"$root/$1"
+    if "$tools/layers.sh" "$root" >"$temporary/out"; then wrong "layers.sh accepts $1: $2"; fi
+    grep -q "^$1:" "$temporary/out" || wrong "layers.sh does not name $1"
+}
+layer kernel/bad.c '#include "bezier/z.h"'
+layer kernel/bad.c '#include <knurl/bezier.h>'
+layer bezier/bad.c 'int x;\n  #  include "io/i.h"'
+layer compose/bad.c '#include "trivar/t.h"'
+layer compose/bad.c '#include <knurl/knurl.h>'
+layer io/bad.c '#include "bridges/a/a.h"'
+layer io/bad.c '#include <jansson.h>'
+layer kernel/bad.c '#include "../bezier/z.h"'
+layer kernel/bad.c '#include "gone.h"'
+layer bridges/a/bad.cpp '#include "bridges/b/b.h"'
+layer bridges/a/bad.cpp '#include "cli/l.h"'
+layer include/knurl/bezier.h '#include <knurl/shell.h>'
+layer include/knurl/base.h '#include "kernel/k.h"'
+layer examples/embed/main.c '#include "kernel/k.h"'
+
+# symbol TEXT: a library made from the C code TEXT must be refused.
+symbol()
+{
+    tests=$((tests + 1))
+    printf '%b\n' "$1" >"$temporary/s.c"
+    $cc -O1 -fPIC -fno-common -c -o "$temporary/s.o" "$temporary/s.c" 2>"$temporary/err" || wrong "does not compile: $1"
+    rm -f "$temporary/libs.a"
+    ar rcs "$temporary/libs.a" "$temporary/s.o"
+    $cc -shared -o "$temporary/libs.so" "$temporary/s.o"
+    "$tools/symbols.sh" "$temporary/libs.a" >/dev/null && static=0 || static=1
+    "$tools/symbols.sh" "$temporary/libs.so" >/dev/null && shared=0 || shared=1
+}
+symbol 'const char *const kn_names[] = {"a", "b"}; static const int t[] = {1, 2}; int kn_f(int i) { return t[i]; }'
+test $static$shared = 00 || wrong "symbols.sh refuses a good library ($static $shared)"
+symbol 'int other(void) { return 1; }'
+test $static$shared = 11 || wrong "symbols.sh accepts a foreign name ($static $shared)"
+symbol 'int kn_counter; int kn_f(void) { return ++kn_counter; }'
+test $static$shared = 11 || wrong "symbols.sh accepts a writable global ($static $shared)"
+symbol 'int kn_f(void) { static int n = 4; return ++n; }'
+test $static = 1 || wrong "symbols.sh accepts a writable static"
+symbol '_Thread_local int kn_t = 3; int kn_f(void) { return ++kn_t; }'
+test $static$shared = 11 || wrong "symbols.sh accepts thread-local state ($static $shared)"
+symbol '#include <stdio.h>\nvoid kn_f(int n) { printf("%d", n); }'
+test $static$shared = 11 || wrong "symbols.sh accepts printing ($static $shared)"
+symbol '#include <stdlib.h>\nvoid kn_f(void) { exit(1); }'
+test $static$shared = 11 || wrong "symbols.sh accepts exit ($static $shared)"
+echo "selftest: $tests planted cases behave"
