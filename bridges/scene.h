@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: Apache-2.0
+// kn_scene: triangle meshes with a material each, what mesh readers fill and the renderer consumes.
+#ifndef BRIDGES_SCENE_H
+#define BRIDGES_SCENE_H
+
+#include <knurl/compose.h>
+#include <knurl/mesh.h>
+
+// mesh.normal may be NULL: the triangles are then flat.
+typedef struct kn_scene_item {
+    kn_mesh mesh;
+    kn_material material;
+} kn_scene_item;
+
+// A zero-initialised kn_scene is a valid empty one. The items belong to it.
+typedef struct kn_scene {
+    kn_scene_item *items;
+    int nitems;
+} kn_scene;
+
+static inline void kn_scene_clear(kn_ctx *ctx, kn_scene *scene)
+{
+    for (int i = 0; i < scene->nitems; i++) kn_mesh_clear(ctx, &scene->items[i].mesh);
+    kn_free(ctx, scene->items);
+    scene->items = NULL, scene->nitems = 0;
+}
+
+#endif

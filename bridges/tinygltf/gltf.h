@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+// glTF 2.0 through tinygltf: a sink that tessellates a job's patches, and a reader of triangles.
+#ifndef BRIDGES_GLTF_H
+#define BRIDGES_GLTF_H
+
+#include "bridges/scene.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+// Zero means the default in every field.
+typedef struct kn_gltf_options {
+    const char *name;     // of the root node; NULL: "knurl"
+    double unit_mm;       // millimetres in one length unit; 0: 1
+    bool keep_duplicates; // leave vertices whose float positions and normals are equal apart
+} kn_gltf_options;
+KN_API kn_gltf_options kn_gltf_defaults(void);
+
+// A sink that writes path as one binary file (.glb) or as JSON with its buffer embedded (.gltf).
+// Each part of the tile becomes one mesh with one material under a root node that scales length units to metres and
+// turns z upwards into glTF's y upwards; vertices stay in length units, as float32, with normals.
+// in:    path and options are copied.
+// fails: KN_EDOMAIN another ending, unit_mm negative or not finite; KN_EIO the folder refuses a file; KN_ENOMEM.
+// While
+//        the job runs: also KN_EDOMAIN a point beyond float32, KN_ELIMIT more than 4 GiB. Nothing is left behind.
+// error: a coordinate is rounded once to float32 after kn_mesh_add_patch.
+// cost:  the whole mesh is held until the end: 24 bytes a vertex, 12 a triangle, three times over while writing.
+// source: Khronos, glTF 2.0 Specification (ISO/IEC 12113:2022).
+KN_API KN_CHECKED kn_status kn_gltf_sink(kn_ctx *ctx, kn_sink *out, const char *path, const kn_gltf_options *options);
+
+// The triangles of the default scene (or of all nodes) of a .glb or .gltf file, told apart by content: one item for
+// each primitive of each node, in metres, y upwards, node transforms applied. Strips and fans become triangles;
+// points and lines are left out. Textures are not read.
+// out:   initialised (possibly empty), overwritten; kn_scene_clear.
+// fails: KN_EIO; KN_EPARSE bad JSON or structure, an index or accessor outside its buffer, not finite positions, an
+//        extension that is required, sparse accessors: the message names the file; KN_ELIMIT a file above 4 GiB;
+//        KN_ENOMEM. out unchanged.
+// error: float32 positions are transformed in double precision.
+KN_API KN_CHECKED kn_status kn_gltf_read(kn_ctx *ctx, kn_scene *out, const char *path);
+
+#ifdef __cplusplus
+}
+#endif
+#endif
