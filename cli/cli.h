@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the commands of `knurl` share: exit codes, options, the session (context, progress, signals) and outputs.
+#ifndef CLI_CLI_H
+#define CLI_CLI_H
+
+#include <stdio.h>
+
+#include <knurl/knurl.h>
+
+// The contract of the command line: scripts depend on these numbers.
+enum { EXIT_OK = 0, EXIT_FAILED = 1, EXIT_USAGE = 2, EXIT_BAD_INPUT = 3, EXIT_CHECK_FAILED = 4, EXIT_CANCELLED = 5 };
+
+// ---- options ----
+typedef struct cli_option {
+    const char *name; // long name without dashes
+    char letter;      // short name, 0: none
+    bool has_value;
+} cli_option;
+
+// One pass over argv. Each call takes the next option or positional argument.
+typedef struct cli_args {
+    int argc, at;
+    char **argv;
+    const cli_option *options;
+    int noptions;
+    const char *command;
+    bool only_positionals; // after "--"
+} cli_args;
+
+enum { CLI_END = -1, CLI_POSITIONAL = -2, CLI_BAD = -3 };
+// The index of the option read, or one of the above; *value is its value or the positional argument. On CLI_BAD a
+// message with the nearest known option has been printed.
+int cli_next(cli_args *args, const char **value);
+
+// Numbers from text; false after printing "--name: expected ..., got ...".
+bool cli_double(const char *name, const char *text, double *out);
+bool cli_int(const char *name, const char *text, int lo, int hi, int *out);
+// "A" or "A,B" or up to `most` numbers; the number read, 0 after printing why not.
+int cli_list(const char *name, const char *text, double *out, int most);
+// "A" (both) or "A,B".
+bool cli_int_pair(const char *name, const char *text, int lo, int hi, int out[2]);
+bool cli_double_pair(const char *name, const char *text, double out[2]);
+// The candidate nearest to word in edit distance when it is plausibly meant, else NULL.
+const char *cli_nearest(const char *word, const char *const *candidates, int n);
+// path ends in .ending, letters of either case.
+bool cli_has_ending(const char *path, const char *ending);
+
+// ---- messages, on stderr ----
+void cli_error(const char *format, ...) KN_PRINTF(1, 2);
+void cli_usage_hint(const char *command);
+
+// ---- help ----
+int cli_help(FILE *to, const char *command); // NULL: the overview. EXIT_USAGE for an unknown command.
+
+// ---- session ----
+typedef struct cli_session cli_session;
+typedef struct cli_session_options {
+    int threads;
+    bool quiet;
+} cli_session_options;
+// NULL after printing why. Installs the handlers that turn Ctrl-C and termination into a cancelled job.
+cli_session *cli_session_begin(cli_session_options options);
+void cli_session_end(cli_session *session);
+kn_ctx *cli_ctx(cli_session *session);
+// Prints the context's error and answers the exit code that belongs to it. reading: a file was being read.
+int cli_fail(cli_session *session, kn_status status, bool reading);
+double cli_seconds(void); // a monotonic clock
+
+// ---- inputs ----
+// All surfaces (two variables, three dimensions) of a spline file, moved out of the model; others are left out.
+typedef struct cli_base {
+    kn_spline *surfaces;
+    int nsurfaces;
+} cli_base;
+int cli_read_base(cli_session *session, cli_base *out, const char *path); // exit code
+void cli_base_clear(cli_session *session, cli_base *base);
+// A built-in tile by name, or a tile from a file; cell: u0, v0, u1, v1 or NULL.
+int cli_read_tile(cli_session *session, kn_tile *out, const char *name, const double *cell);
+
+// ---- apply ----
+enum { CLI_MAX_OUTPUTS = 16 };
+typedef struct cli_apply {
+    const char *base, *tile;
+    double cell[4];
+    bool has_cell;
+    kn_job_options job;
+    double unit_mm;
+    const char *outputs[CLI_MAX_OUTPUTS];
+    int noutputs;
+    int threads;
+    bool dry_run, json, quiet;
+    char *owned[CLI_MAX_OUTPUTS + 2]; // texts that a recipe allocated; freed at the end
+    int nowned;
+} cli_apply;
+
+// Values that options and recipe keys share; each prints its own message.
+bool cli_set_rotation(const char *name, double degrees, kn_job_options *job);
+bool cli_set_max_degree(const char *name, const char *text, kn_job_options *job);
+bool cli_set_unit(const char *name, const char *text, double *unit_mm);
+bool cli_add_output(cli_apply *apply, const char *path);
+// Fills apply from a recipe; exit code.
+int cli_read_recipe(cli_apply *apply, const char *path);
+
+// A sink for path by its ending. False (nothing printed) when the ending has no writer.
+bool cli_can_write(const char *path);
+kn_status cli_open_sink(kn_ctx *ctx, kn_sink *out, const char *path, double unit_mm);
+const char *cli_writable_endings(void);
+// Bytes that a writer will need, estimated before anything is composed.
+double cli_estimate_bytes(const char *path, const kn_job_report *report);
+
+typedef struct cli_timing {
+    double read, plan, run;
+} cli_timing;
+void cli_print_apply(const cli_apply *apply, const kn_job_report *report, const double *bytes,
+                     const cli_timing *timing, size_t peak_bytes);
+
+// ---- commands: argv[0] is the command's name ----
+int cli_command_apply(int argc, char **argv);
+int cli_command_tiles(int argc, char **argv);
+int cli_command_info(int argc, char **argv);
+int cli_command_eval(int argc, char **argv);
+int cli_command_render(int argc, char **argv);
+
+#endif

@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: Apache-2.0
+// Help texts: examples first, then what each option means. docs/knurl.1 says the same at more length.
+#include "cli/cli.h"
+
+#include <string.h>
+
+static const char overview[] =
+    "knurl puts geometry on geometry: exact NURBS textures for CAD, meshes for print and rendering.\n"
+    "\n"
+    "  knurl apply teapot.bpt --tile chain --size 0.3 -o teapot.step -o teapot.glb\n"
+    "  knurl apply grip.g2 --tile knurl --count 48,12 --height 0.4 --dry-run\n"
+    "  knurl tiles\n"
+    "  knurl info teapot.bpt\n"
+    "  knurl eval teapot.bpt --patch 4 --at 0.5,0.5 --derivatives 1\n"
+    "  knurl render teapot.glb -o teapot.png\n"
+    "\n"
+    "commands:\n"
+    "  apply    compose a tile over every cell of a base and write the result\n"
+    "  tiles    list the built-in tiles\n"
+    "  info     say what is in a file\n"
+    "  eval     evaluate a spline, or the shell over a surface\n"
+    "  render   make a picture\n"
+    "\n"
+    "'knurl COMMAND --help' says more; 'knurl --version' says which this is.\n"
+    "exit: 0 ok, 1 failure, 2 usage, 3 bad input, 4 a check failed, 5 cancelled\n";
+
+static const char apply[] =
+    "knurl apply BASE --tile TILE -o OUT [-o OUT ...]\n"
+    "\n"
+    "  knurl apply teapot.bpt --tile chain --size 0.3 -o teapot.step -o teapot.glb\n"
+    "  knurl apply grip.g2 --tile knurl --count 48,12 --height 0.4 --json -o grip.step\n"
+    "  knurl apply vase.g2 --tile scale --size 2,3 --dry-run\n"
+    "  knurl apply recipe.json\n"
+    "\n"
+    "BASE is a .bpt or .g2 file (all its surfaces are textured) or a recipe in JSON.\n"
+    "OUT's ending picks the writer: .step .stp .stl .obj .glb .gltf\n"
+    "\n"
+    "what and where:\n"
+    "  -t, --tile TILE         a built-in name ('knurl tiles') or a .g2 or .bpt file\n"
+    "      --tile-cell U0,V0,U1,V1   the cell in a tile file's coordinates (default 0,0,1,1)\n"
+    "  -c, --count NU[,NV]     cells over each surface\n"
+    "  -s, --size L[,L]        wanted cell size; counts agree on shared edges\n"
+    "      --height H          height of w = 1 above the base (negative: below)\n"
+    "      --offset H          lifts the whole texture by H\n"
+    "      --rotate DEG        turns the tile in its cell (multiples of 90)\n"
+    "how exactly:\n"
+    "      --normal fitted     how the unit normal is represented\n"
+    "      --normal-tol E      its certified error (default 1e-6)\n"
+    "      --max-degree N      highest degree written: a number, occt (25, the default), catia (15), vda (11), "
+    "exact\n"
+    "      --tol L             chord height of the meshes\n"
+    "      --symbolic          compose each cell symbolically (slow, the reference)\n"
+    "running:\n"
+    "  -o, --output OUT        may be given many times\n"
+    "      --unit mm|cm|m|in   unit of the base (default mm)\n"
+    "  -j, --threads N         default: all processors; the result does not depend on it\n"
+    "  -n, --dry-run           plan and report, write nothing\n"
+    "      --json              one JSON object on standard output\n"
+    "  -q, --quiet             no progress, no summary\n";
+
+static const char tiles[] = "knurl tiles [--json]\n"
+                            "\n"
+                            "  knurl tiles\n"
+                            "  knurl tiles --json\n"
+                            "\n"
+                            "Lists the built-in tiles: name, kind, patches in a cell, and what it looks like.\n";
+
+static const char info[] = "knurl info FILE [--json]\n"
+                           "\n"
+                           "  knurl info teapot.bpt\n"
+                           "  knurl info teapot.glb --json\n"
+                           "\n"
+                           "Format, counts, degrees and bounding box of a .bpt, .g2, .glb or .gltf file.\n";
+
+static const char eval[] =
+    "knurl eval FILE --at U,V[,W] [--at ...] [--patch K] [--derivatives N] [--json]\n"
+    "\n"
+    "  knurl eval teapot.bpt --patch 4 --at 0.5,0.5\n"
+    "  knurl eval teapot.bpt --patch 4 --at 0.5,0.5 --derivatives 2\n"
+    "  knurl eval teapot.bpt --patch 4 --at 0.5,0.5,0.1     the shell S + w n at w = 0.1\n"
+    "\n"
+    "      --at U,V[,W]        parameters, as many as the spline has; one more for the shell\n"
+    "      --patch K           which spline of the file, from 0\n"
+    "      --derivatives N     all partials up to order N: f, f_u, f_v, f_uu, f_uv, f_vv, ...\n"
+    "      --normal-tol E      of the shell's normal (default 1e-6)\n"
+    "      --json              numbers with their parameters\n";
+
+static const char render[] = "knurl render IN -o OUT.png\n"
+                             "\n"
+                             "  knurl render teapot.glb -o teapot.png\n"
+                             "  knurl render teapot.bpt --width 800 --height 600 -o plain.png\n"
+                             "\n"
+                             "IN is a .glb, .gltf, .bpt or .g2 file. The camera frames it by itself.\n"
+                             "\n"
+                             "      --width N --height N   pixels (default 1600 x 1200)\n"
+                             "      --samples N            paths per pixel\n"
+                             "      --azimuth DEG          where the camera stands\n"
+                             "      --elevation DEG\n"
+                             "  -j, --threads N            the picture does not depend on it\n"
+                             "  -q, --quiet                no progress\n";
+
+int cli_help(FILE *to, const char *command)
+{
+    static const struct {
+        const char *name, *text;
+    } texts[] = {{"apply", apply}, {"tiles", tiles}, {"info", info}, {"eval", eval}, {"render", render}};
+    if (!command) return fputs(overview, to) < 0 ? EXIT_FAILED : EXIT_OK;
+    for (size_t i = 0; i < sizeof texts / sizeof *texts; i++)
+        if (strcmp(command, texts[i].name) == 0) return fputs(texts[i].text, to) < 0 ? EXIT_FAILED : EXIT_OK;
+    cli_error("no help for '%s'", command);
+    cli_usage_hint(NULL);
+    return EXIT_USAGE;
+}

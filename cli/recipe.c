@@ -1,0 +1,174 @@
+// SPDX-License-Identifier: Apache-2.0
+// Recipes: the arguments of `knurl apply` as a JSON file, format 1. The schema is docs/recipe.schema.json.
+// Paths are relative to the recipe's folder; unknown keys are errors, so that a slip of the pen is not silence.
+#include "cli/cli.h"
+
+#include <jansson.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+typedef struct recipe {
+    const char *path;
+    cli_apply *apply;
+} recipe;
+
+static bool bad(const recipe *r, const char *key, const char *expected)
+{
+    cli_error("%s: \"%s\": expected %s", r->path, key, expected);
+    return false;
+}
+
+// The text as a path beside the recipe, owned by the apply. Built-in tile names stay as they are.
+static const char *own(const recipe *r, const char *text, bool is_path)
+{
+    const char *slash = strrchr(r->path, '/');
+    size_t folder = is_path && slash && text[0] != '/' ? (size_t)(slash - r->path) + 1 : 0;
+    size_t length = strlen(text) + 1;
+    char *copy = malloc(folder + length);
+    if (!copy) {
+        cli_error("out of memory");
+        return NULL;
+    }
+    memcpy(copy, r->path, folder);
+    memcpy(copy + folder, text, length);
+    r->apply->owned[r->apply->nowned++] = copy;
+    return copy;
+}
+
+static bool get_text(const recipe *r, const char *key, const json_t *value, bool is_path, const char **out)
+{
+    if (!json_is_string(value) || !*json_string_value(value)) return bad(r, key, "a text");
+    return (*out = own(r, json_string_value(value), is_path)) != NULL;
+}
+
+static bool get_number(const recipe *r, const char *key, const json_t *value, double *out)
+{
+    if (!json_is_number(value)) return bad(r, key, "a number");
+    *out = json_number_value(value);
+    return true;
+}
+
+static bool get_above_zero(const recipe *r, const char *key, const json_t *value, double *out)
+{
+    return get_number(r, key, value, out) && (*out > 0 || bad(r, key, "a number above 0"));
+}
+
+// A number for both directions, or an array of two.
+static bool get_pair(const recipe *r, const char *key, const json_t *value, double out[2])
+{
+    if (json_is_array(value) && json_array_size(value) == 2)
+        return get_above_zero(r, key, json_array_get(value, 0), &out[0]) &&
+               get_above_zero(r, key, json_array_get(value, 1), &out[1]);
+    return get_above_zero(r, key, value, &out[0]) && (out[1] = out[0], true);
+}
+
+static bool get_count(const recipe *r, const json_t *value)
+{
+    double pair[2];
+    if (!get_pair(r, "count", value, pair)) return false;
+    for (int d = 0; d < 2; d++) {
+        if (pair[d] != floor(pair[d]) || pair[d] > 1e6) return bad(r, "count", "whole numbers from 1 to 1000000");
+        r->apply->job.count[d] = (int)pair[d];
+    }
+    return true;
+}
+
+static bool get_max_degree(const recipe *r, const json_t *value)
+{
+    char text[32];
+    if (json_is_string(value))
+        snprintf(text, sizeof text, "%s", json_string_value(value));
+    else if (json_is_integer(value))
+        snprintf(text, sizeof text, "%lld", (long long)json_integer_value(value));
+    else
+        return bad(r, "max_degree", "a whole number or a profile");
+    return cli_set_max_degree("max_degree", text, &r->apply->job);
+}
+
+static bool layer_key(const recipe *r, const char *key, const json_t *value)
+{
+    kn_job_options *job = &r->apply->job;
+    double number;
+    if (strcmp(key, "tile") == 0) {
+        const char *text = json_string_value(value);
+        return get_text(r, key, value, text && strchr(text, '.'), &r->apply->tile);
+    }
+    if (strcmp(key, "count") == 0) return get_count(r, value);
+    if (strcmp(key, "size") == 0) return get_pair(r, key, value, job->size);
+    if (strcmp(key, "height") == 0)
+        return get_number(r, key, value, &job->height) && (job->height != 0 || bad(r, key, "a number other than 0"));
+    if (strcmp(key, "offset") == 0) return get_number(r, key, value, &job->offset);
+    if (strcmp(key, "rotate") == 0) return get_number(r, key, value, &number) && cli_set_rotation(key, number, job);
+    cli_error("%s: unknown key \"%s\" in a layer", r->path, key);
+    return false;
+}
+
+static bool get_layers(const recipe *r, json_t *layers)
+{
+    if (!json_is_array(layers) || json_array_size(layers) != 1 || !json_is_object(json_array_get(layers, 0)))
+        return bad(r, "layers", "an array of one object");
+    const char *key;
+    json_t *value;
+    json_object_foreach(json_array_get(layers, 0), key, value)
+    {
+        if (!layer_key(r, key, value)) return false;
+    }
+    return true;
+}
+
+static bool get_outputs(const recipe *r, const json_t *outputs)
+{
+    size_t n = json_array_size(outputs);
+    if (!json_is_array(outputs) || n > CLI_MAX_OUTPUTS) return bad(r, "outputs", "an array of at most 16 paths");
+    for (size_t i = 0; i < n; i++) {
+        const char *path;
+        if (!get_text(r, "outputs", json_array_get(outputs, i), true, &path) || !cli_add_output(r->apply, path))
+            return false;
+    }
+    return true;
+}
+
+static bool top_key(const recipe *r, const char *key, json_t *value)
+{
+    cli_apply *a = r->apply;
+    if (strcmp(key, "format") == 0)
+        return (json_is_integer(value) && json_integer_value(value) == 1) || bad(r, key, "1");
+    if (strcmp(key, "base") == 0) return get_text(r, key, value, true, &a->base);
+    if (strcmp(key, "unit") == 0)
+        return json_is_string(value) ? cli_set_unit(key, json_string_value(value), &a->unit_mm)
+                                     : bad(r, key, "mm, cm, m or in");
+    if (strcmp(key, "layers") == 0) return get_layers(r, value);
+    if (strcmp(key, "outputs") == 0) return get_outputs(r, value);
+    if (strcmp(key, "normal_tol") == 0) return get_above_zero(r, key, value, &a->job.normal_tol);
+    if (strcmp(key, "tol") == 0) return get_above_zero(r, key, value, &a->job.mesh_tol);
+    if (strcmp(key, "max_degree") == 0) return get_max_degree(r, value);
+    cli_error("%s: unknown key \"%s\"", r->path, key);
+    return false;
+}
+
+int cli_read_recipe(cli_apply *apply, const char *path)
+{
+    json_error_t error;
+    json_t *root = json_load_file(path, JSON_REJECT_DUPLICATES, &error);
+    if (!root) {
+        cli_error("%s:%d: %s", path, error.line > 0 ? error.line : 1, error.text);
+        return EXIT_BAD_INPUT;
+    }
+    recipe r = {path, apply};
+    apply->base = NULL;
+    bool ok = json_is_object(root) || bad(&r, "recipe", "an object");
+    if (ok && !json_object_get(root, "format")) ok = bad(&r, "format", "1");
+    const char *key;
+    json_t *value;
+    if (ok) json_object_foreach(root, key, value)
+        {
+            if (!top_key(&r, key, value)) {
+                ok = false;
+                break;
+            }
+        }
+    if (ok && !apply->base) ok = bad(&r, "base", "the path of a spline file");
+    json_decref(root);
+    return ok ? EXIT_OK : EXIT_BAD_INPUT;
+}

@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: Apache-2.0
+// What `knurl apply` prints when it is done: a few lines for people, or one JSON object (the contract).
+#include "cli/cli.h"
+
+#include <jansson.h>
+#include <math.h>
+
+// JSON knows no infinity: an unbounded error is null.
+static json_t *number(double x)
+{
+    return isfinite(x) ? json_real(x) : json_null();
+}
+
+static json_t *file_bytes(const cli_apply *a, const double *bytes)
+{
+    json_t *object = json_object();
+    for (int i = 0; i < a->noutputs; i++)
+        json_object_set_new(object, a->outputs[i], json_integer((json_int_t)bytes[i]));
+    return object;
+}
+
+static void print_json(const cli_apply *a, const kn_job_report *r, const double *bytes, const cli_timing *t,
+                       size_t peak_bytes)
+{
+    int most = a->job.max_degree ? a->job.max_degree : 25;
+    json_t *o = json_object();
+    json_object_set_new(o, "base", json_string(a->base));
+    json_object_set_new(o, "tile", json_string(a->tile));
+    json_object_set_new(o, "dry_run", json_boolean(a->dry_run));
+    json_object_set_new(o, "surfaces", json_integer(r->nsurfaces));
+    json_object_set_new(o, "cells", json_integer((json_int_t)r->cells));
+    json_object_set_new(o, "patches", json_integer((json_int_t)r->patches));
+    json_object_set_new(o, "exact_patches", json_integer((json_int_t)r->exact_patches));
+    json_object_set_new(o, "faces", json_integer((json_int_t)r->patches));
+    json_object_set_new(o, "triangles", json_integer((json_int_t)r->triangles));
+    json_object_set_new(o, "degree", json_pack("[ii]", r->degree[0], r->degree[1]));
+    json_object_set_new(o, "control_points", json_integer((json_int_t)r->control_points));
+    json_object_set_new(o, "cell_size", number(r->cell_size));
+    json_object_set_new(o, "height", number(r->height));
+    json_object_set_new(o, "normal",
+                        json_pack("{s:s,s:o,s:o,s:o,s:b}", "method", "fitted", "tolerance", number(r->normal_tol),
+                                  "length_error", number(r->normal.length_error), "angle_error_rad",
+                                  number(r->normal.angle_error), "certified", r->normal.certified));
+    json_object_set_new(o, "fit",
+                        json_pack("{s:i,s:o,s:o}", "max_degree", most, "tolerance",
+                                  number(2 * r->normal_tol * fabs(r->height)), "certified_error",
+                                  number(r->stand_in_error)));
+    json_object_set_new(o, "jacobian",
+                        json_pack("{s:o,s:o,s:b}", "min", number(r->jacobian_lo), "max", number(r->jacobian_hi),
+                                  "certified_positive", r->jacobian_lo > 0));
+    json_object_set_new(o, "bytes", file_bytes(a, bytes));
+    json_object_set_new(o, "bytes_estimated", json_boolean(a->dry_run));
+    json_object_set_new(o, "seconds",
+                        json_pack("{s:f,s:f,s:f,s:f}", "read", t->read, "plan", t->plan, "compose_and_write", t->run,
+                                  "total", t->read + t->plan + t->run));
+    json_object_set_new(o, "peak_bytes", json_integer((json_int_t)peak_bytes));
+    json_dumpf(o, stdout, JSON_INDENT(2) | JSON_REAL_PRECISION(6));
+    putchar('\n');
+    json_decref(o);
+}
+
+static void print_text(const cli_apply *a, const kn_job_report *r, const double *bytes, const cli_timing *t)
+{
+    printf("%zu cells of about %.3g, height %.3g, on %d surface%s\n", r->cells, r->cell_size, r->height, r->nsurfaces,
+           r->nsurfaces == 1 ? "" : "s");
+    printf("%zu patches of degree up to (%d,%d), %zu control points, %zu triangles\n", r->patches, r->degree[0],
+           r->degree[1], r->control_points, r->triangles);
+    printf("unit normal within %.1e in length and %.1e rad%s\n", r->normal.length_error, r->normal.angle_error,
+           r->normal.certified ? " (certified)" : "");
+    if (r->exact_patches == r->patches)
+        printf("every patch is the exact composition\n");
+    else
+        printf("%zu patches exact, %zu within %.1e (certified)\n", r->exact_patches, r->patches - r->exact_patches,
+               r->stand_in_error);
+    if (!(r->jacobian_lo > 0))
+        printf("the shell is not certified free of folds and poles (Jacobian >= %.2g)\n", r->jacobian_lo);
+    for (int i = 0; i < a->noutputs; i++)
+        printf("%s%s  %.1f MB\n", a->dry_run ? "would write about " : "", a->outputs[i], bytes[i] / 1e6);
+    printf("%.2f s\n", t->read + t->plan + t->run);
+}
+
+void cli_print_apply(const cli_apply *apply, const kn_job_report *report, const double *bytes,
+                     const cli_timing *timing, size_t peak_bytes)
+{
+    if (apply->json)
+        print_json(apply, report, bytes, timing, peak_bytes);
+    else if (!apply->quiet)
+        print_text(apply, report, bytes, timing);
+}
