@@ -1,0 +1,174 @@
+// SPDX-License-Identifier: Apache-2.0
+// C += A B: panels of PANEL columns of B stay in the first cache while blocks of rows of A pass over them.
+#include "kernel/gemm.h"
+
+#include <string.h>
+
+#if defined(__x86_64__) && defined(__GNUC__)
+#define KN_X86 1
+#include <immintrin.h>
+#else
+#define KN_X86 0
+#endif
+
+enum { PANEL = 16, MOST_ROWS = 12 };
+
+size_t kn_gemm_room(size_t k, size_t n)
+{
+    return (n + PANEL - 1) / PANEL * PANEL * k;
+}
+
+// Panel after panel, each k rows of PANEL numbers, zeros beyond column n.
+void kn_gemm_pack(double *packed, const double *b, size_t k, size_t n, size_t row, size_t column)
+{
+    for (size_t first = 0; first < n; first += PANEL)
+        for (size_t p = 0; p < k; p++, packed += PANEL)
+            for (size_t j = 0; j < PANEL; j++) packed[j] = first + j < n ? b[p * row + (first + j) * column] : 0.0;
+}
+
+// A block: c[i][at .. at + PANEL-1] += a[i] times a panel, for i < rows <= the kind's most rows.
+typedef void (*block)(double *const *c, size_t at, const double *const *a, int rows, const double *b, size_t k);
+
+static void block_plain(double *const *c, size_t at, const double *const *a, int rows, const double *b, size_t k)
+{
+    for (int i = 0; i < rows; i++)
+        for (size_t p = 0; p < k; p++)
+            for (int j = 0; j < PANEL; j++) c[i][at + (size_t)j] += a[i][p] * b[p * PANEL + (size_t)j];
+}
+
+#if KN_X86
+#define INLINE static inline __attribute__((always_inline))
+
+// Each is inlined with a constant number of rows, so that the sums live in registers.
+INLINE void rows_sse2(double *const *c, size_t at, const double *const *a, int rows, const double *b, size_t k)
+{
+    for (int half = 0; half < PANEL; half += 8) {
+        __m128d s[3][4];
+        for (int i = 0; i < rows; i++)
+            for (int j = 0; j < 4; j++) s[i][j] = _mm_loadu_pd(c[i] + at + half + 2 * j);
+        for (size_t p = 0; p < k; p++)
+            for (int j = 0; j < 4; j++) {
+                __m128d bj = _mm_loadu_pd(b + p * PANEL + half + 2 * j);
+                for (int i = 0; i < rows; i++) s[i][j] = _mm_add_pd(s[i][j], _mm_mul_pd(_mm_set1_pd(a[i][p]), bj));
+            }
+        for (int i = 0; i < rows; i++)
+            for (int j = 0; j < 4; j++) _mm_storeu_pd(c[i] + at + half + 2 * j, s[i][j]);
+    }
+}
+
+static void block_sse2(double *const *c, size_t at, const double *const *a, int rows, const double *b, size_t k)
+{
+    int i = 0;
+    for (; i + 3 <= rows; i += 3) rows_sse2(c + i, at, a + i, 3, b, k);
+    for (; i < rows; i++) rows_sse2(c + i, at, a + i, 1, b, k);
+}
+
+__attribute__((target("avx2,fma"))) INLINE void rows_avx2(double *const *c, size_t at, const double *const *a,
+                                                          int rows, const double *b, size_t k)
+{
+    for (int half = 0; half < PANEL; half += 8) {
+        __m256d s[6][2];
+        for (int i = 0; i < rows; i++)
+            for (int j = 0; j < 2; j++) s[i][j] = _mm256_loadu_pd(c[i] + at + half + 4 * j);
+        for (size_t p = 0; p < k; p++) {
+            __m256d b0 = _mm256_loadu_pd(b + p * PANEL + half), b1 = _mm256_loadu_pd(b + p * PANEL + half + 4);
+            for (int i = 0; i < rows; i++) {
+                __m256d ai = _mm256_broadcast_sd(a[i] + p);
+                s[i][0] = _mm256_fmadd_pd(ai, b0, s[i][0]);
+                s[i][1] = _mm256_fmadd_pd(ai, b1, s[i][1]);
+            }
+        }
+        for (int i = 0; i < rows; i++)
+            for (int j = 0; j < 2; j++) _mm256_storeu_pd(c[i] + at + half + 4 * j, s[i][j]);
+    }
+}
+
+__attribute__((target("avx2,fma"))) static void block_avx2(double *const *c, size_t at, const double *const *a,
+                                                           int rows, const double *b, size_t k)
+{
+    int i = 0;
+    for (; i + 6 <= rows; i += 6) rows_avx2(c + i, at, a + i, 6, b, k);
+    for (; i + 3 <= rows; i += 3) rows_avx2(c + i, at, a + i, 3, b, k);
+    for (; i < rows; i++) rows_avx2(c + i, at, a + i, 1, b, k);
+}
+
+__attribute__((target("avx512f"))) INLINE void rows_avx512(double *const *c, size_t at, const double *const *a,
+                                                           int rows, const double *b, size_t k)
+{
+    __m512d s[MOST_ROWS][2];
+    for (int i = 0; i < rows; i++)
+        for (int j = 0; j < 2; j++) s[i][j] = _mm512_loadu_pd(c[i] + at + 8 * j);
+    for (size_t p = 0; p < k; p++) {
+        __m512d b0 = _mm512_loadu_pd(b + p * PANEL), b1 = _mm512_loadu_pd(b + p * PANEL + 8);
+        for (int i = 0; i < rows; i++) {
+            __m512d ai = _mm512_set1_pd(a[i][p]);
+            s[i][0] = _mm512_fmadd_pd(ai, b0, s[i][0]);
+            s[i][1] = _mm512_fmadd_pd(ai, b1, s[i][1]);
+        }
+    }
+    for (int i = 0; i < rows; i++)
+        for (int j = 0; j < 2; j++) _mm512_storeu_pd(c[i] + at + 8 * j, s[i][j]);
+}
+
+__attribute__((target("avx512f"))) static void block_avx512(double *const *c, size_t at, const double *const *a,
+                                                            int rows, const double *b, size_t k)
+{
+    int i = 0;
+    for (; i + 12 <= rows; i += 12) rows_avx512(c + i, at, a + i, 12, b, k);
+    for (; i + 6 <= rows; i += 6) rows_avx512(c + i, at, a + i, 6, b, k);
+    for (; i + 3 <= rows; i += 3) rows_avx512(c + i, at, a + i, 3, b, k);
+    for (; i < rows; i++) rows_avx512(c + i, at, a + i, 1, b, k);
+}
+#endif
+
+kn_gemm_kind kn_gemm_best(void)
+{
+#if KN_X86
+    if (__builtin_cpu_supports("avx512f")) return KN_GEMM_AVX512;
+    if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma")) return KN_GEMM_AVX2;
+    return KN_GEMM_SSE2;
+#else
+    return KN_GEMM_PLAIN;
+#endif
+}
+
+static block block_of(kn_gemm_kind kind)
+{
+#if KN_X86
+    if (kind == KN_GEMM_AVX512) return block_avx512;
+    if (kind == KN_GEMM_AVX2) return block_avx2;
+    if (kind == KN_GEMM_SSE2) return block_sse2;
+#endif
+    (void)kind;
+    return block_plain;
+}
+
+// The last panel may reach beyond column n: its block works on copies of the rows.
+static void last_panel(block run, double *const *c, size_t at, size_t columns, const double *const *a, int rows,
+                       const double *b, size_t k)
+{
+    double copy[MOST_ROWS][PANEL] = {{0.0}}, *row[MOST_ROWS];
+    for (int i = 0; i < MOST_ROWS; i++) row[i] = copy[i];
+    for (int i = 0; i < rows; i++) memcpy(copy[i], c[i] + at, columns * sizeof(double));
+    run(row, 0, a, rows, b, k);
+    for (int i = 0; i < rows; i++) memcpy(c[i] + at, copy[i], columns * sizeof(double));
+}
+
+void kn_gemm_as(kn_gemm_kind kind, double *const *c, const double *const *a, size_t rows, const double *packed,
+                size_t k, size_t n)
+{
+    block run = block_of(kind);
+    for (size_t at = 0; at < n; at += PANEL, packed += PANEL * k)
+        for (size_t i = 0; i < rows; i += MOST_ROWS) {
+            int m = rows - i < MOST_ROWS ? (int)(rows - i) : MOST_ROWS;
+            if (at + PANEL <= n)
+                run(c + i, at, a + i, m, packed, k);
+            else
+                last_panel(run, c + i, at, n - at, a + i, m, packed, k);
+        }
+}
+
+void kn_gemm(double *const *c, const double *const *a, size_t rows, const double *packed, size_t k, size_t n)
+{
+    kn_gemm_as(kn_gemm_best(), c, a, rows, packed, k, n);
+}
