@@ -3,12 +3,14 @@
 #include <string.h>
 
 #include "bezier/spline_internal.h"
+#include "kernel/context.h"
 
 kn_status kn_spline_of_bezier(kn_ctx *ctx, kn_spline *out, const kn_bezier *a)
 {
     kn_spline s = {0};
     int count[KN_MAX_VARS];
-    if (a->nvars > 0) {
+    if (a->coef) {
+        if (a->nvars < 1) return kn_fail(ctx, KN_EDOMAIN, "spline_of_bezier: a piece without variables");
         for (int d = 0; d < a->nvars; d++) count[d] = a->degree[d] + 1;
         kn_status status = kn_spline_alloc(ctx, &s, a->nvars, a->ncomp, a->rational, a->degree, count);
         if (status != KN_OK) return status;
