@@ -24,6 +24,8 @@ kn_status kn_bezier_elevate(kn_ctx *ctx, kn_bezier *out, const kn_bezier *a, con
 {
     kn_bezier c = {.nvars = a->nvars, .ncomp = a->ncomp, .rational = a->rational};
     int steps = 0;
+    kn_status status = kn_bezier_check_operand(ctx, "elevate", a);
+    if (status != KN_OK) return status;
     for (int d = 0; d < a->nvars; d++) {
         if (degree[d] < a->degree[d])
             return kn_fail(ctx, KN_EDOMAIN, "elevate: degree %d to %d in variable %d", a->degree[d], degree[d], d);
@@ -32,7 +34,7 @@ kn_status kn_bezier_elevate(kn_ctx *ctx, kn_bezier *out, const kn_bezier *a, con
     }
     if (steps == 0) return kn_bezier_copy(ctx, out, a);
     kn_mark mark = kn_scratch_mark(ctx);
-    kn_status status = kn_bezier_alloc(ctx, &c, "elevate");
+    status = kn_bezier_alloc(ctx, &c, "elevate");
     double *work = NULL;
     if (status == KN_OK && steps > 1 &&
         !(work = kn_scratch(ctx, (size_t)c.ncomp * kn_bezier_count(&c), sizeof *work)))

@@ -5,9 +5,8 @@
 
 #include <string.h>
 
-// Sums along the last variable first: contiguous, and each variable leaves less to do. work holds
-// ncomp * count / (degree[last] + 1) numbers and receives the ncomp values.
-static void contract_all(double *work, const kn_bezier *b, const double *at)
+// Sums along the last variable first: contiguous, and each variable leaves less to do.
+void kn_bezier_eval_plain(double *work, const kn_bezier *b, const double *at)
 {
     size_t outer = (size_t)b->ncomp * kn_bezier_count(b);
     const double *from = b->coef;
@@ -23,15 +22,15 @@ static void contract_all(double *work, const kn_bezier *b, const double *at)
 
 kn_status kn_bezier_eval(kn_ctx *ctx, double *out, const kn_bezier *b, const double *at)
 {
-    if (!b->coef) return kn_fail(ctx, KN_EDOMAIN, "eval: empty piece");
+    kn_status status = kn_bezier_check_operand(ctx, "eval", b);
+    if (status != KN_OK) return status;
     int dim = kn_bezier_dim(b), last = b->nvars ? b->degree[b->nvars - 1] : 0;
     kn_mark mark = kn_scratch_mark(ctx);
-    kn_status status = KN_OK;
     double *value = kn_scratch(ctx, (size_t)b->ncomp * kn_bezier_count(b) / (size_t)(last + 1), sizeof *value);
     if (!value)
         status = KN_ENOMEM;
     else {
-        contract_all(value, b, at);
+        kn_bezier_eval_plain(value, b, at);
         double w = b->rational ? value[dim] : 1.0;
         if (w == 0.0)
             status = kn_fail(ctx, KN_EUNDEFINED, "eval: the weight is zero");

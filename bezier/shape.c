@@ -33,6 +33,18 @@ kn_status kn_bezier_check(kn_ctx *ctx, const char *what, int nvars, int ncomp, b
     return KN_OK;
 }
 
+kn_status kn_bezier_check_operand(kn_ctx *ctx, const char *what, const kn_bezier *a)
+{
+    return a->coef ? KN_OK : kn_fail(ctx, KN_EDOMAIN, "%s: a piece without coefficients", what);
+}
+
+kn_status kn_bezier_check_pair(kn_ctx *ctx, const char *what, const kn_bezier *a, const kn_bezier *b)
+{
+    if (!a->coef || !b->coef) return kn_fail(ctx, KN_EDOMAIN, "%s: a piece without coefficients", what);
+    if (a->nvars == b->nvars) return KN_OK;
+    return kn_fail(ctx, KN_EDOMAIN, "%s: %d and %d variables", what, a->nvars, b->nvars);
+}
+
 kn_status kn_bezier_check_var(kn_ctx *ctx, const char *what, const kn_bezier *b, int var)
 {
     if (var >= 0 && var < b->nvars) return KN_OK;

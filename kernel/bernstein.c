@@ -87,41 +87,18 @@ size_t kn_bernstein_count(int nvars, const int *degree)
     return count;
 }
 
-typedef struct axis {
-    size_t outer, inner;
-    int n;
-} axis;
-
-static axis axis_of(int nvars, const int *degree, int d)
+// Variable by variable, from the back, so that expanding in place is safe.
+void kn_bernstein_weights(double *weights, int nvars, const int *degree)
 {
-    return (axis){kn_bernstein_count(d, degree), kn_bernstein_count(nvars - d - 1, degree + d + 1), degree[d]};
-}
-
-void kn_bernstein_scale(double *scaled, const double *in, int nvars, const int *degree)
-{
-    size_t count = kn_bernstein_count(nvars, degree);
-    if (scaled != in) memcpy(scaled, in, count * sizeof *scaled);
+    size_t count = 1;
+    weights[0] = 1.0;
     for (int d = 0; d < nvars; d++) {
-        axis x = axis_of(nvars, degree, d);
-        double row[KN_MAX_DEGREE + 1], *p = scaled;
-        kn_binomial_row(row, x.n);
-        for (size_t o = 0; o < x.outer; o++)
-            for (int i = 0; i <= x.n; i++, p += x.inner)
-                for (size_t j = 0; j < x.inner; j++) p[j] *= row[i];
-    }
-}
-
-void kn_bernstein_unscale(double *out, const double *scaled, int nvars, const int *degree)
-{
-    size_t count = kn_bernstein_count(nvars, degree);
-    if (out != scaled) memcpy(out, scaled, count * sizeof *out);
-    for (int d = 0; d < nvars; d++) {
-        axis x = axis_of(nvars, degree, d);
-        double row[KN_MAX_DEGREE + 1], *p = out;
-        kn_binomial_row(row, x.n);
-        for (size_t o = 0; o < x.outer; o++)
-            for (int i = 0; i <= x.n; i++, p += x.inner)
-                for (size_t j = 0; j < x.inner; j++) p[j] /= row[i];
+        double row[KN_MAX_DEGREE + 1];
+        size_t m = (size_t)degree[d] + 1;
+        kn_binomial_row(row, degree[d]);
+        for (size_t i = count; i-- > 0;)
+            for (size_t k = m; k-- > 0;) weights[i * m + k] = weights[i] * row[k];
+        count *= m;
     }
 }
 
@@ -160,4 +137,32 @@ void kn_bernstein_convolve(double *c, const double *a, const size_t *place_a, si
             for (size_t j = 0; j < row; j++) to[j] += f * from[j];
         }
     }
+}
+
+// f[lo^(n-i), hi^i] = sum_j sum_k B^(n-i)_(j-k)(lo) B^i_k(hi) p_j: the coefficients of the polynomial
+// ((1-lo) + lo x)^(n-i) ((1-hi) + hi x)^i in x.
+void kn_bernstein_restriction(double *matrix, int n, double lo, double hi)
+{
+    for (int i = 0; i <= n; i++) {
+        double a[KN_MAX_DEGREE + 1], b[KN_MAX_DEGREE + 1], *row = matrix + i * (n + 1);
+        kn_bernstein_basis(a, n - i, lo);
+        kn_bernstein_basis(b, i, hi);
+        for (int j = 0; j <= n; j++) row[j] = 0.0;
+        for (int k = 0; k <= i; k++)
+            for (int j = 0; j <= n - i; j++) row[j + k] += a[j] * b[k];
+    }
+}
+
+void kn_bernstein_transform(double *out, const double *in, size_t outer, int rows, int columns, size_t inner,
+                            const double *matrix)
+{
+    for (size_t o = 0; o < outer; o++, in += (size_t)columns * inner)
+        for (int r = 0; r < rows; r++, out += inner) {
+            const double *row = matrix + r * columns;
+            for (size_t j = 0; j < inner; j++) out[j] = row[0] * in[j];
+            for (int k = 1; k < columns; k++) {
+                const double *from = in + (size_t)k * inner;
+                for (size_t j = 0; j < inner; j++) out[j] += row[k] * from[j];
+            }
+        }
 }

@@ -21,14 +21,20 @@ void kn_bernstein_differentiate(double *out, const double *in, size_t outer, int
 
 // The number of coefficients, prod_d (degree[d] + 1).
 size_t kn_bernstein_count(int nvars, const int *degree);
-// scaled[i] = in[i] prod_d C(degree[d], i_d). scaled may be in. kn_bernstein_unscale divides instead.
-void kn_bernstein_scale(double *scaled, const double *in, int nvars, const int *degree);
-void kn_bernstein_unscale(double *out, const double *scaled, int nvars, const int *degree);
+// weights[i] = prod_d C(degree[d], i_d): exact below 2^53. A coefficient times its weight is called scaled.
+void kn_bernstein_weights(double *weights, int nvars, const int *degree);
 // at[i] = the place of coefficient i of an array with `degree` in an array with `target` >= degree.
 void kn_bernstein_places(size_t *at, int nvars, const int *degree, const int *target);
-// c += a * b (sign 1.0) or c -= a * b (sign -1.0), all three scaled (kn_bernstein_scale).
-// place_a: na places of a in c; place_b: those of b in c, of which each (last degree of b + 1)-th is used.
+// c += sign a b, all three scaled. place_a, place_b: of a's and b's coefficients in c (kn_bernstein_places);
+// row_b = b's last degree + 1.
 void kn_bernstein_convolve(double *c, const double *a, const size_t *place_a, size_t na, const double *b,
                            const size_t *place_b, size_t nb, int row_b, double sign);
+
+// matrix (n + 1, n + 1) turns coefficients over [0,1] into those over [lo,hi], any real lo and hi: row i holds the
+// weights of the blossom value f[lo,..,lo,hi,..,hi] with i times hi. Non-negative for lo, hi in [0,1].
+void kn_bernstein_restriction(double *matrix, int n, double lo, double hi);
+// out (outer, rows, inner) = matrix (rows, columns) times in (outer, columns, inner).
+void kn_bernstein_transform(double *out, const double *in, size_t outer, int rows, int columns, size_t inner,
+                            const double *matrix);
 
 #endif

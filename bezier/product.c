@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: Apache-2.0
+// Products, component by component.
+#include "bezier/combine.h"
+
+kn_status kn_bezier_product(kn_ctx *ctx, kn_bezier *out, const kn_bezier *a, const kn_bezier *b)
+{
+    kn_status status = kn_bezier_check_pair(ctx, "product", a, b);
+    if (status != KN_OK) return status;
+    int na = kn_bezier_dim(a), nb = kn_bezier_dim(b), dim = na > nb ? na : nb;
+    if (na != nb && na != 1 && nb != 1) return kn_fail(ctx, KN_EDOMAIN, "product: %d and %d components", na, nb);
+    bool rational = a->rational || b->rational;
+    kn_bezier c = {.nvars = a->nvars, .ncomp = dim + rational, .rational = rational};
+    kn_term terms[KN_MAX_COMPS + 1];
+    for (int i = 0; i < dim; i++) terms[i] = (kn_term){i, na > 1 ? i : 0, nb > 1 ? i : 0, 1.0};
+    terms[dim] = kn_weight_term(&c, a, b);
+    status = kn_bezier_combine(ctx, "product", &c, a, b, terms, c.ncomp);
+    return kn_bezier_finish(ctx, out, &c, status);
+}
