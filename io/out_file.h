@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: Apache-2.0
+// Inside knurl: an output file that appears under its name whole, or not at all.
+#ifndef IO_OUT_FILE_H
+#define IO_OUT_FILE_H
+
+#include <knurl/base.h>
+
+// Bytes go to a new file beside path ("path.tmp-0" or the first number that is free); commit gives it the name, abort
+// removes it. So a reader never sees half a file, and what was there before survives every failure. A path that is
+// there already and is neither file nor folder (a pipe, /dev/null) is written to directly: renaming would replace it.
+typedef struct kn_out_file kn_out_file;
+
+// fails: KN_EIO (no such folder, no permission, path is a folder), KN_ENOMEM; *out unchanged.
+KN_CHECKED kn_status kn_out_open(kn_ctx *ctx, kn_out_file **out, const char *path);
+// Appends. fails: KN_EIO with the system's reason (a full disk, a limit).
+KN_CHECKED kn_status kn_out_write(kn_ctx *ctx, kn_out_file *file, const void *data, size_t bytes);
+// Overwrites bytes that were written before, at offset from the start; the place of the next append is unchanged.
+KN_CHECKED kn_status kn_out_rewrite(kn_ctx *ctx, kn_out_file *file, size_t offset, const void *data, size_t bytes);
+// Bytes appended so far; still known after commit.
+size_t kn_out_bytes(const kn_out_file *file);
+// Everything to the disk's care, every error looked at, then the rename. Afterwards only kn_out_bytes and
+// kn_out_close may be called. fails: KN_EIO; the file is removed by kn_out_close.
+KN_CHECKED kn_status kn_out_commit(kn_ctx *ctx, kn_out_file *file);
+// Frees the handle, and removes the file unless it was committed. NULL is fine.
+void kn_out_close(kn_ctx *ctx, kn_out_file *file);
+
+#endif
