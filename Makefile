@@ -12,10 +12,11 @@ B := $(O)/$(config)
 VERSION := $(shell sed -n 's/^.define KN_VERSION_STRING "\(.*\)"/\1/p' include/knurl/base.h)
 SOVERSION := $(firstword $(subst ., ,$(VERSION)))
 
-ifeq ($(filter -j%,$(MAKEFLAGS)),)
-MAKEFLAGS += -j$(shell nproc 2>/dev/null || echo 1)
+JOBS := $(shell nproc 2>/dev/null || echo 1)
+ifeq ($(MAKELEVEL),0)
+MAKEFLAGS += -j$(JOBS) # a -j on the command line wins
 endif
-MAKEFLAGS += --no-builtin-rules
+MAKEFLAGS += --no-builtin-rules --no-print-directory
 .SUFFIXES:
 .DELETE_ON_ERROR:
 .DEFAULT_GOAL := all
@@ -71,7 +72,7 @@ LIBS_cmocka := -lcmocka
 
 hash := \#
 FOUND := $(shell printf '%s\n' $(foreach e,$(EXTERNALS),'$(hash)if __has_include(<$(HEADER_$(e))>)' $(e) '$(hash)endif') \
-  | $(CXX) -E -P -x c++ -)
+  | $(CXX) -E -P -x c++ - 2>/dev/null)
 
 # ---- what there is to build: every file that exists in its place ----
 MODULES := kernel bezier trivar compose mesh implicit levelset subdiv io
@@ -99,7 +100,7 @@ BENCHES := $(patsubst %.c,$(B)/%,$(BENCH_SRC))
 FUZZERS := $(patsubst %.c,$(B)/%,$(FUZZ_SRC))
 ALL_SRC := $(LIB_SRC) $(BRIDGE_SRC) $(CLI_SRC) $(TEST_SRC) $(SUPPORT_SRC) $(HELPER_SRC) $(BENCH_SRC) $(wildcard tests/fuzz/*.c)
 
-.PHONY: all lib tests benches fuzzers bench check
+.PHONY: all lib tests benches fuzzers bench
 all: lib $(KNURL)
 lib: $(LIB) $(SHARED)
 tests: $(TESTS)
@@ -176,10 +177,30 @@ $(B)/tests/$(1)/t_%: $(B)/obj/tests/$(1)/t_%.c.o $(call objects,$(filter tests/$
 endef
 $(foreach d,$(sort $(patsubst tests/%/,%,$(dir $(TEST_SRC)))),$(eval $(call test_rule,$(d))))
 
+
+.PHONY: test test-built
+test: tests $(KNURL)
+	$(Q)$(MAKE) test-built
+test-built: # runs what there is, also when some of it did not build: a missing program is a failure
+	$(Q)KNURL=$(abspath $(KNURL)) tests/run.sh $(B)/test-logs $(JOBS) $(TESTS)
+
+# ---- fuzzing: with config=fuzz through libFuzzer, else a driver of our own replays and mutates the seeds ----
+FUZZ_SECONDS ?= 30
+FUZZ_RUNS ?= 4000
 $(B)/tests/fuzz/fuzz_%: $(B)/obj/tests/fuzz/fuzz_%.c.o $(if $(filter fuzz,$(config)),,$(B)/obj/tests/fuzz/driver.c.o) $(LIB)
 	@mkdir -p $(@D)
 	$(call say,LINK,$@)
 	$(Q)$(CC) $(subst fuzzer-no-link,fuzzer,$(ALL_LDFLAGS)) -o $@ $^ $(LIBS)
+.PHONY: fuzz
+ifeq ($(config),fuzz)
+fuzz: fuzzers
+	$(Q)for f in $(FUZZERS); do seeds=tests/fuzz/corpus/$${f##*/fuzz_}; new=$(B)/corpus/$${f##*/fuzz_}; \
+	  mkdir -p $$new; $$f -max_total_time=$(FUZZ_SECONDS) -max_len=65536 -artifact_prefix=$(B)/ $$new \
+	    $$(test -d $$seeds && echo $$seeds) || exit 1; done
+else
+fuzz:
+	$(Q)$(MAKE) config=fuzz fuzz
+endif
 
 # ---- benchmarks ----
 $(B)/obj/bench/%.o: CPP += $(if $(filter sisl,$(FOUND)),-DKN_WITH_SISL=1)
@@ -188,12 +209,125 @@ $(B)/bench/%: $(B)/obj/bench/%.c.o $(LIB)
 	$(call say,LINK,$@)
 	$(Q)$(CC) $(ALL_LDFLAGS) -o $@ $^ $(if $(filter sisl,$(FOUND)),-lsisl -lstdc++) $(LIBS)
 bench: benches
-	$(Q)for b in $(BENCHES); do echo "== $$b"; $$b || exit 1; done
+	$(Q)for b in $(BENCHES); do echo "== $${b##*/}"; $$b || exit 1; done
 
-.SECONDARY:
+# ---- checks that compile nothing into the product ----
+HEADERS := $(wildcard include/knurl/*.h)
+C_FILES := $(sort $(shell find $(MODULES) bridges cli examples bench tests include -name '*.[ch]' 2>/dev/null))
+CXX_FILES := $(sort $(shell find bridges tests examples -name '*.cpp' -o -name '*.hpp' 2>/dev/null))
+.PHONY: layers symbols api headers format lint tidy cppcheck selftest
+layers:
+	$(Q)tools/layers.sh
+symbols: lib
+	$(Q)tools/symbols.sh $(LIB) $(SHARED)
+api: lib
+	$(Q)tools/api.sh $(SHARED)
+selftest:
+	$(Q)tools/selftest.sh
+headers: $(HEADERS:include/knurl/%.h=$(B)/headers/%.ok)
+$(B)/headers/%.ok: include/knurl/%.h $(HEADERS) $(B)/flags
+	@mkdir -p $(@D)
+	$(call say,ALONE,$<)
+	$(Q)echo '#include <knurl/$*.h>' | $(CC) $(WARN_C) -Wall -Wextra -Werror -Iinclude -fsyntax-only -x c -
+	$(Q)echo '#include <knurl/$*.h>' | $(CXX) $(WARN_CXX) -Wpedantic -Wshadow -Wconversion -Wall -Wextra -Werror -Iinclude \
+	  -fsyntax-only -x c++ -
+	@touch $@
+format:
+	$(Q)clang-format --dry-run -Werror $(C_FILES) $(CXX_FILES)
 
-.PHONY: run-tests clean
-run-tests: tests $(KNURL)
-	$(Q)for t in $(TESTS); do echo "== $$t"; KNURL=$(B)/knurl $$t || bad=1; done; test -z "$$bad"
+# clang-tidy file by file, again only when the file, a header or the configuration changed.
+LINT_C := $(LIB_SRC) $(CLI_SRC) $(TEST_SRC) $(SUPPORT_SRC) $(HELPER_SRC) $(BENCH_SRC) $(wildcard tests/fuzz/*.c examples/*/*.c)
+LINT_CXX := $(filter %.cpp,$(BRIDGE_SRC))
+PROJECT_HEADERS := $(filter %.h %.hpp,$(C_FILES) $(CXX_FILES))
+lint: tidy cppcheck
+tidy: $(patsubst %,$(B)/tidy/%.ok,$(LINT_C) $(LINT_CXX))
+$(B)/tidy/cli/%.ok $(B)/tidy/tests/%.ok: CPP += $(WITH)
+$(B)/tidy/bridges/occt/%.ok $(B)/tidy/tests/bridges/%.ok: CPP += $(CPP_occt)
+$(B)/tidy/%.c.ok: %.c $(PROJECT_HEADERS) .clang-tidy
+	@mkdir -p $(@D)
+	$(call say,TIDY,$<)
+	$(Q)clang-tidy --quiet $< -- $(WARN_C) $(CPP) >$@.log 2>&1 || { cat $@.log; exit 1; }
+	@touch $@
+$(B)/tidy/%.cpp.ok: %.cpp $(PROJECT_HEADERS) .clang-tidy
+	@mkdir -p $(@D)
+	$(call say,TIDY,$<)
+	$(Q)clang-tidy --quiet $< -- $(WARN_CXX) $(CPP) >$@.log 2>&1 || { cat $@.log; exit 1; }
+	@touch $@
+cppcheck:
+	@mkdir -p $(B)/cppcheck
+	$(call say,CHECK,'the core and the command')
+	$(Q)cppcheck --quiet -j$(JOBS) --std=c11 --enable=warning,performance,portability --inline-suppr --error-exitcode=1 \
+	  --suppressions-list=tools/cppcheck.txt --cppcheck-build-dir=$(B)/cppcheck -Iinclude -I. $(LIB_SRC) $(CLI_SRC)
+
+# ---- coverage of the core by the tests, module by module ----
+.PHONY: coverage
+coverage:
+ifeq ($(config),coverage)
+	$(Q)find $(B) -name '*.gcda' -delete
+	$(Q)$(MAKE) config=coverage test
+	$(Q)tools/coverage.sh $(B) $(LIB_SRC)
+else
+	$(Q)$(MAKE) config=coverage coverage
+endif
+
+# ---- installation ----
+PREFIX ?= /usr/local
+DEST = $(DESTDIR)$(PREFIX)
+FILL = sed -e 's|@PREFIX@|$(PREFIX)|g' -e 's|@VERSION@|$(VERSION)|g' -e 's|@SOVERSION@|$(SOVERSION)|g'
+.PHONY: install uninstall
+install: all
+	$(Q)install -d $(DEST)/include/knurl $(DEST)/lib/pkgconfig $(DEST)/lib/cmake/knurl $(DEST)/share/knurl
+	$(Q)install -m 644 $(HEADERS) $(DEST)/include/knurl/
+	$(Q)install -m 644 $(LIB) $(DEST)/lib/
+	$(Q)install -m 755 $(SHARED) $(DEST)/lib/
+	$(Q)ln -sf libknurl.so.$(VERSION) $(DEST)/lib/libknurl.so.$(SOVERSION)
+	$(Q)ln -sf libknurl.so.$(SOVERSION) $(DEST)/lib/libknurl.so
+	$(Q)$(FILL) packaging/knurl.pc.in > $(DEST)/lib/pkgconfig/knurl.pc
+	$(Q)$(FILL) packaging/knurlConfig.cmake.in > $(DEST)/lib/cmake/knurl/knurlConfig.cmake
+	$(Q)$(FILL) packaging/knurlConfigVersion.cmake.in > $(DEST)/lib/cmake/knurl/knurlConfigVersion.cmake
+	$(Q)install -m 644 data/teapot.bpt $(DEST)/share/knurl/
+ifneq ($(KNURL),)
+	$(Q)install -d $(DEST)/bin
+	$(Q)install -m 755 $(KNURL) $(DEST)/bin/
+endif
+ifneq ($(wildcard docs/knurl.1),)
+	$(Q)install -d $(DEST)/share/man/man1
+	$(Q)install -m 644 docs/knurl.1 $(DEST)/share/man/man1/
+endif
+uninstall:
+	$(Q)rm -rf $(DEST)/include/knurl $(DEST)/lib/cmake/knurl $(DEST)/share/knurl
+	$(Q)rm -f $(DEST)/lib/libknurl.a $(DEST)/lib/libknurl.so $(DEST)/lib/libknurl.so.$(SOVERSION) \
+	  $(DEST)/lib/libknurl.so.$(VERSION) $(DEST)/lib/pkgconfig/knurl.pc $(DEST)/bin/knurl $(DEST)/share/man/man1/knurl.1
+
+# ---- the two commands of the README, and the rest ----
+.PHONY: setup check demo clean help
+setup:
+	$(Q)tools/setup.sh
+check: setup
+	+$(Q)tools/check.sh $(O) $(JOBS)
+demo: setup
+	+$(Q)$(MAKE) config=release all
+	$(Q)examples/teapot/demo.sh $(O)/release/knurl $(O)/demo
 clean:
 	rm -rf $(O)
+help:
+	@sed -n 's/^#   /    /p' $(firstword $(MAKEFILE_LIST))
+	@echo
+	@printf '    %-10s %s\n' all 'the library and the command, $(O)/release/knurl (default)' \
+	  check 'everything that is tested; ends in "N passed, N failed, N skipped"' \
+	  demo 'the textured teapots' \
+	  test 'the test programs of this configuration' \
+	  bench 'every benchmark' \
+	  fuzz 'libFuzzer on every target for FUZZ_SECONDS each' \
+	  coverage 'line coverage of the core by the tests' \
+	  lint 'clang-tidy and cppcheck' \
+	  format 'is every file formatted?' \
+	  layers 'do includes point downwards only?' \
+	  symbols 'kn_ names only, nothing writable, nothing printed' \
+	  api 'is every declared function exported and tested?' \
+	  headers 'does every public header compile alone?' \
+	  install 'to $$(DESTDIR)$$(PREFIX), uninstall to undo' \
+	  setup 'install the Debian packages that are missing' \
+	  clean 'remove $(O)'
+
+.SECONDARY:

@@ -3,8 +3,9 @@
 """Writes the geometry of the built-in tiles: python3 tools/model_tiles.py data/tiles
 
 Every tile is modelled in real proportions, cell width 1, and written in cell coordinates (u, v, w), w = z / aspect.
-Coordinates are multiples of 2^-12 and knots are integers, so that splitting at knots, mirroring and translating by
-whole cells are exact in binary, and edges that belong together are equal bit for bit.
+Control points are multiples of 2^-12 (midpoints of them where a closed surface is clamped) and knots are integers, so
+that splitting at knots, mirroring and translating by whole cells are exact in binary, and edges that belong together
+are equal bit for bit.
 """
 import os
 import sys
@@ -33,35 +34,44 @@ def closed(points):
 
 
 class Surface:
-    """net[i][j]: the control point for r = i, t = j, degree 2 or 1 in each variable, C1 over integer knots."""
+    """net[i][j]: the control point for r = i, t = j; degree 2 or 1 in each variable, C1 over integer knots; closed in
+    r or t: the net is cyclic there."""
 
-    def __init__(self, net, degree=(2, 2)):
+    def __init__(self, net, degree=(2, 2), cyclic=(False, False)):
         self.net = [[tuple(p) for p in row] for row in net]
         self.degree = degree
+        self.cyclic = cyclic
 
     def reversed(self):
-        return Surface([row[::-1] for row in self.net], self.degree)
+        return Surface([row[::-1] for row in self.net], self.degree, self.cyclic)
 
     def map(self, f):
-        return Surface([[f(p) for p in row] for row in self.net], self.degree)
+        return Surface([[f(p) for p in row] for row in self.net], self.degree, self.cyclic)
 
     def in_cell(self, aspect, z0=0.0):
         return self.map(lambda p: (q(p[0]), q(p[1]), q((p[2] - z0) / aspect)))
 
+    def clamped(self):
+        net = [closed(row) if self.cyclic[1] else row for row in self.net]
+        if self.cyclic[0]:
+            net = [list(row) for row in zip(*[closed(list(column)) for column in zip(*net)])]
+        return net
+
     def g2(self):
+        net = self.clamped()
         lines = ["200 1 0 0", "3 0"]
-        for d, n in ((self.degree[0], len(self.net)), (self.degree[1], len(self.net[0]))):
+        for d, n in ((self.degree[0], len(net)), (self.degree[1], len(net[0]))):
             lines += ["%d %d" % (n, d + 1), " ".join(map(str, clamped(d, n - d)))]
-        for j in range(len(self.net[0])):
-            for row in self.net:
+        for j in range(len(net[0])):
+            for row in net:
                 lines.append(" ".join(repr(float(c)).removesuffix(".0") for c in row[j]))
         return "\n".join(lines) + "\n"
 
 
 # ---- chain: Japanese four-in-one mail: flat rings joined by upright links ----
 
-CHAIN = dict(ring=0.3671875, wire=0.078125, link=(0.3125, 0.1875), link_wire=0.0625)
-CHAIN_ASPECT = 0.5
+CHAIN = dict(ring=0.375, wire=0.0859375, link=(0.34375, 0.21875), link_wire=0.078125)
+CHAIN_ASPECT = 0.59375  # twice the link's half height, wire included
 
 
 def square(a):
@@ -70,18 +80,16 @@ def square(a):
 
 
 def chain_ring():
-    tube = closed(square(CHAIN["wire"]))
-    around = closed(square(1.0))
-    return Surface([[(0.5 + x * (CHAIN["ring"] + e), 0.5 + y * (CHAIN["ring"] + e), z) for e, z in tube]
-                    for x, y in around])
+    return Surface([[(0.5 + x * (CHAIN["ring"] + e), 0.5 + y * (CHAIN["ring"] + e), z)
+                     for e, z in square(CHAIN["wire"])] for x, y in square(1.0)], cyclic=(True, True))
 
 
 def chain_half_link():
     """The half at u <= 1 of the link about (1, .5), from the top of the plane u = 1 to its bottom."""
     half, height = CHAIN["link"]
-    tube = closed(square(CHAIN["link_wire"]))
     path = [(0, 1), (-1, 1), (-1, -1), (0, -1)]
-    return Surface([[(1 + x * (half + e), 0.5 + y, z * (height + e)) for e, y in tube] for x, z in path])
+    return Surface([[(1 + x * (half + e), 0.5 + y, z * (height + e)) for e, y in square(CHAIN["link_wire"])]
+                    for x, z in path], cyclic=(False, True)).reversed()
 
 
 def chain():
@@ -96,8 +104,8 @@ def chain():
 # ---- scale: two rows of scales a cell, staggered; one folded sheet ----
 
 SCALE_ASPECT = 0.28125
-SCALE = dict(shoulder=0.53125, tip=0.9375, point=0.3, nose=0.03125, thick=0.05,
-             mid=0.135, rise=0.2, curl=0.02, dome=0.05, ridge=0.02)
+SCALE = dict(shoulder=0.53125, tip=0.953125, point=0.35, nose=0.03125, thick=0.06,
+             mid=0.15, rise=0.16, curl=0.05, dome=0.06, ridge=0.03)
 
 
 def scale_half(s):
@@ -149,17 +157,17 @@ def thorn():
     for u, z, radius, fall in THORN:
         f = radius / (1 + fall * fall) ** 0.5
         rings.append([(u, 0.5 - radius, z), (u + f, 0.5, z - fall * f), (u, 0.5 + radius, z), (u - f, 0.5, z + fall * f)])
-    horn = [Surface(list(map(list, zip(*[closed(r) for r in rings])))).in_cell(THORN_ASPECT)]
-    around = horn[0].net
+    horn = Surface(zip(*rings), cyclic=(True, False)).in_cell(THORN_ASPECT)
+    around = horn.clamped()
     corners = [(0, 0), (1, 0), (1, 1), (0, 1)]
     sheet = []
     for k in range(4):  # from the foot's span k out to side k of the cell
-        foot = [around[0][0] if k == 0 else mid(around[k][0], around[k + 1][0]), around[k + 1][0],
-                mid(around[k + 1][0], around[k + 2][0]) if k < 3 else around[5][0]]
+        ends = [around[0][0]] + [mid(around[i][0], around[i + 1][0]) for i in (1, 2, 3)] + [around[5][0]]
+        foot = [ends[k], around[k + 1][0], ends[k + 1]]
         a, b = corners[k] + (0.0,), corners[(k + 1) % 4] + (0.0,)
         side = [a, mid(a, b), b]
         sheet.append(Surface([[s, f] for s, f in zip(side, foot)], (2, 1)))
-    return {"thorn": horn + sheet}
+    return {"thorn": [horn] + sheet}
 
 
 # ---- knurl: pyramids between two families of V grooves ----
@@ -179,7 +187,7 @@ def knurl():
     cap = [(0, 0, 1), (c, 0, 1), (0, 0, 1), (0, c, 1)]
     for _ in range(4):
         patch(*inner)
-        patch(corner[1], corner[0], corner[3], corner[2])
+        patch(*corner)
         patch(*cap)
         inner, corner, cap = [[turn(p) for p in f] for f in (inner, corner, cap)]
     patch((0.5, 0.5 - c, 1), (0.5 + c, 0.5, 1), (0.5 - c, 0.5, 1), (0.5, 0.5 + c, 1))

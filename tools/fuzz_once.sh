@@ -1,0 +1,12 @@
+#!/bin/sh
+# SPDX-License-Identifier: Apache-2.0
+# fuzz_once.sh PROGRAM FOLDER RUNS: a short, repeatable run of a fuzz target; an input that crashes stays in FOLDER.
+set -eu
+program=$1 folder=$2 runs=$3
+name=$(basename "$program")
+seeds=$(pwd)/tests/fuzz/corpus/${name#fuzz_}
+mkdir -p "$folder"
+cd "$folder"
+rm -f crash-input
+export ASAN_OPTIONS=detect_leaks=1:allocator_may_return_null=1:handle_abort=1 UBSAN_OPTIONS=print_stacktrace=1
+timeout --kill-after=5 120 "$program" "$seeds" "$runs"
