@@ -123,18 +123,19 @@ kn_status kn_spline_split_at(kn_ctx *ctx, kn_spline *s, int var, const double *b
     return status;
 }
 
-kn_status kn_spline_join(kn_ctx *ctx, kn_spline *s, int var, const double *breaks, const int *times, int nbreaks)
+kn_status kn_spline_expect_pair(kn_ctx *ctx, const char *call, const kn_spline *a, const kn_spline *b)
 {
-    int p = s->degree[var], nknots = kn_knots_repeat(NULL, breaks, times, nbreaks);
-    kn_mark mark = kn_scratch_mark(ctx);
-    kn_band band;
-    double *to = kn_scratch(ctx, (size_t)nknots, sizeof *to);
-    kn_status status = to ? kn_spline_band(ctx, &band, nknots - p - 1, p + 1) : KN_ENOMEM;
-    if (status == KN_OK) {
-        kn_knots_repeat(to, breaks, times, nbreaks);
-        kn_band_join(&band, breaks, nbreaks, p, to);
-        status = kn_spline_map(ctx, s, var, p, to, &band);
+    kn_status status = kn_spline_expect(ctx, call, a, 0);
+    if (status == KN_OK) status = kn_spline_expect(ctx, call, b, 0);
+    if (status != KN_OK) return status;
+    if (a->nvars != b->nvars) return kn_fail(ctx, KN_EDOMAIN, "%s: %d and %d variables", call, a->nvars, b->nvars);
+    for (int d = 0; d < a->nvars; d++) {
+        double lo[2], hi[2];
+        kn_spline_domain(a, d, &lo[0], &hi[0]);
+        kn_spline_domain(b, d, &lo[1], &hi[1]);
+        if (lo[0] != lo[1] || hi[0] != hi[1])
+            return kn_fail(ctx, KN_EDOMAIN, "%s: variable %d: domains [%g, %g] and [%g, %g]", call, d, lo[0], hi[0],
+                           lo[1], hi[1]);
     }
-    kn_scratch_release(ctx, mark);
-    return status;
+    return KN_OK;
 }

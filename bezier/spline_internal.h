@@ -25,10 +25,32 @@ kn_status kn_spline_band(kn_ctx *ctx, kn_band *band, int rows, int width);
 kn_status kn_spline_map(kn_ctx *ctx, kn_spline *s, int var, int degree, const double *knots, const kn_band *band);
 // In place: the same function on the knots `to` of var, rows + degree + 1 of them (kn_band_refine).
 kn_status kn_spline_refine(kn_ctx *ctx, kn_spline *s, int var, const double *to, int rows);
-// In place: every knot of var that lies on breaks gets multiplicity degree + 1. breaks contain the knots of var.
+// In place: every break of var gets multiplicity degree + 1. breaks contain the knots of var.
 kn_status kn_spline_split_at(kn_ctx *ctx, kn_spline *s, int var, const double *breaks, int nbreaks);
-// In place, the way back: var of s is split at breaks (kn_spline_split_at); break i keeps times[i] knots, the first
-// and last degree + 1.
-kn_status kn_spline_join(kn_ctx *ctx, kn_spline *s, int var, const double *breaks, const int *times, int nbreaks);
+// Between s and a piece of its degrees: the box of coefficients that starts at index first[d] in each variable.
+void kn_spline_get_piece(kn_bezier *piece, const kn_spline *s, const int *first);
+void kn_spline_put_piece(kn_spline *s, const kn_bezier *piece, const int *first);
+
+// A grid of Bezier pieces: per variable the breaks and how many knots the spline keeps at each.
+typedef struct kn_grid {
+    int nbreaks[KN_MAX_VARS];
+    double *breaks[KN_MAX_VARS];
+    int *times[KN_MAX_VARS];
+} kn_grid;
+// *out = a spline with every break of the grid at multiplicity degree + 1, coefficients not filled.
+kn_status kn_spline_alloc_split(kn_ctx *ctx, kn_spline *out, int nvars, int ncomp, bool rational, const int *degree,
+                                const kn_grid *grid);
+// In place, the way back from such a spline: knots as times[] says, degree + 1 of them at both ends.
+kn_status kn_spline_join(kn_ctx *ctx, kn_spline *s, const kn_grid *grid);
+
+// out = op(a, b) piece by piece on the union of their breaks (b may be NULL). op answers pieces of one shape, in the
+// parameters of [0,1]; it gets the size of the box. The knots are those of the minimal continuity of the operands,
+// less one in variable `rough` (-1: none).
+typedef kn_status (*kn_piece_op)(kn_ctx *ctx, kn_bezier *out, const kn_bezier *a, const kn_bezier *b,
+                                 const double *size, const void *user);
+kn_status kn_spline_by_pieces(kn_ctx *ctx, const char *call, kn_spline *out, const kn_spline *a, const kn_spline *b,
+                              kn_piece_op op, const void *user, int rough);
+// KN_OK when both are splines over the same variables and the same domain.
+kn_status kn_spline_expect_pair(kn_ctx *ctx, const char *call, const kn_spline *a, const kn_spline *b);
 
 #endif

@@ -22,21 +22,6 @@ static kn_status saturate(kn_ctx *ctx, kn_spline *s, int var)
     return status;
 }
 
-// Copies the box of coefficients that starts at index first[d] in each variable into one piece.
-static void copy_piece(kn_bezier *piece, const kn_spline *s, const int *first)
-{
-    int index[KN_MAX_VARS] = {0}, last = s->nvars - 1;
-    size_t row = (size_t)s->degree[last] + 1, all = kn_spline_count(s), n = kn_bezier_count(piece);
-    for (size_t done = 0; done < n; done += row) {
-        size_t from = 0;
-        for (int d = 0; d <= last; d++) from = from * (size_t)s->count[d] + (size_t)(first[d] + index[d]);
-        for (int c = 0; c < s->ncomp; c++)
-            for (size_t k = 0; k < row; k++)
-                piece->coef[(size_t)c * n + done + k] = s->coef[(size_t)c * all + from + k];
-        for (int d = last - 1; d >= 0 && ++index[d] > s->degree[d]; d--) index[d] = 0;
-    }
-}
-
 static kn_status copy_pieces(kn_ctx *ctx, kn_bezier *pieces, size_t npieces, const kn_spline *s)
 {
     int span[KN_MAX_VARS], first[KN_MAX_VARS];
@@ -45,7 +30,7 @@ static kn_status copy_pieces(kn_ctx *ctx, kn_bezier *pieces, size_t npieces, con
         kn_status status = kn_bezier_init(ctx, &pieces[i], s->nvars, s->ncomp, s->rational, s->degree);
         if (status != KN_OK) return status;
         for (int d = 0; d < s->nvars; d++) first[d] = span[d] - s->degree[d];
-        copy_piece(&pieces[i], s, first);
+        kn_spline_get_piece(&pieces[i], s, first);
         for (int d = s->nvars - 1; d >= 0; d--) {
             span[d] = kn_knots_next_span(s->knots[d], s->degree[d], s->count[d], span[d]);
             if (span[d] < s->count[d]) break;
