@@ -1,0 +1,244 @@
+// SPDX-License-Identifier: Apache-2.0
+// How far a field m is from a unit normal N/|N|, bounded by Bernstein coefficients and never by samples.
+//
+// A polynomial on [0,1]^2 is a mean of its coefficients at every point, so that with e = max |coefficients of m.m -
+// 1|
+//     | |m| - 1 | <= 1 - sqrt(1 - e) = e / (1 + sqrt(1 - e)),
+// and with sin(angle) = |m x N| / (|m| |N|), d any unit vector,
+//     sin(angle) <= max |coefficients of m x N| / (min |m| min (coefficients of N) . d).
+// Both converge quadratically under subdivision. The rounding of every step is added at the worst it can be.
+#include "kernel/bernstein.h"
+#include "kernel/context.h"
+#include "trivar/internal.h"
+
+#include <assert.h>
+#include <math.h>
+#include <string.h>
+
+enum { DEPTH = 10 }; // halvings, both variables together: each box lies at most 5 deep in either
+
+// m x N (3), N (3) and m.m - 1 (1), one behind the other, over a box.
+typedef struct residual {
+    int cross[2], normal[2], length[2]; // degrees
+    size_t ncross, nnormal, nlength, size;
+} residual;
+
+typedef struct search {
+    residual r;
+    double cross_error, normal_error, length_error; // absolute, of the coefficients in r
+    const kn_certify_options *options;
+    double *level[DEPTH + 1];
+    double length, angle; // the worst so far
+    bool failed;
+} search;
+
+static double largest_vector(const double *c, size_t count)
+{
+    double largest = 0.0;
+    for (size_t i = 0; i < count; i++) {
+        double square = c[i] * c[i] + c[count + i] * c[count + i] + c[2 * count + i] * c[2 * count + i];
+        largest = square > largest ? square : largest;
+    }
+    return sqrt(largest) * (1.0 + 0x1p-50);
+}
+
+// A lower bound of |N|; may be negative.
+static double smallest_vector(const double *n, size_t count)
+{
+    double d[3] = {0}, length = 0.0, smallest = INFINITY;
+    for (int c = 0; c < 3; c++) {
+        for (size_t i = 0; i < count; i++) d[c] += n[(size_t)c * count + i];
+        length += d[c] * d[c];
+    }
+    length = sqrt(length);
+    if (!(length > 0.0)) return 0.0;
+    for (size_t i = 0; i < count; i++) {
+        double along = n[i] * d[0] + n[count + i] * d[1] + n[2 * count + i] * d[2];
+        smallest = along < smallest ? along : smallest;
+    }
+    return smallest / length;
+}
+
+static double largest_number(const double *c, size_t count)
+{
+    double largest = 0.0;
+    for (size_t i = 0; i < count; i++) largest = fabs(c[i]) > largest ? fabs(c[i]) : largest;
+    return largest;
+}
+
+// The box at this level; the others are below it.
+static void search_box(search *s, int level)
+{
+    const residual *r = &s->r;
+    const kn_certify_options *o = s->options;
+    double *box = s->level[level], *normal = box + 3 * r->ncross, *square = normal + 3 * r->nnormal;
+    double e = largest_number(square, r->nlength) + s->length_error;
+    double length = e < 1.0 ? e / (1.0 + sqrt(1.0 - e)) : INFINITY;
+    double least = (smallest_vector(normal, r->nnormal) - s->normal_error) * (1.0 - length), angle = INFINITY;
+    if (e < 0.5 && least > 0.0) {
+        double sine = (largest_vector(box, r->ncross) + s->cross_error) / least;
+        if (sine < 0.5) angle = asin(sine);
+    }
+    double floor = least > 0.0 ? 2.0 * s->cross_error / least : 0.0;
+    bool enough = length <= o->target[0] + 2.0 * s->length_error && angle <= o->target[1] + floor;
+    bool last = level == DEPTH;
+    if ((enough && length <= o->limit && angle <= o->limit) || last) {
+        s->length = fmax(s->length, length);
+        s->angle = fmax(s->angle, angle);
+        s->failed = !(s->length <= o->limit && s->angle <= o->limit);
+        return;
+    }
+    double *first = s->level[level + 1], *second = first + r->size;
+    size_t at[3] = {0, 3 * r->ncross, 3 * (r->ncross + r->nnormal)}, comps[3] = {3, 3, 1};
+    const int *degree[3] = {r->cross, r->normal, r->length};
+    for (int f = 0; f < 3; f++) {
+        size_t mu = (size_t)degree[f][0] + 1, mv = (size_t)degree[f][1] + 1;
+        size_t outer = level % 2 == 0 ? comps[f] : comps[f] * mu, inner = level % 2 == 0 ? mv : 1;
+        kn_bernstein_split(first + at[f], second + at[f], box + at[f], outer, degree[f][level % 2], inner, 0.5);
+    }
+    search_box(s, level + 1);
+    if (s->failed) return;
+    // The first half is done with: the second takes its place.
+    memcpy(first, second, r->size * sizeof *first);
+    search_box(s, level + 1);
+}
+
+// ---- the products ----
+
+typedef struct factor {
+    double *scaled; // three components
+    size_t count, *place_cross, *place_self;
+    int row;
+} factor;
+
+static bool factor_init(kn_ctx *ctx, factor *f, const kn_bezier *b, const int *cross, const int *self)
+{
+    f->count = kn_bezier_count(b);
+    f->row = b->degree[1] + 1;
+    f->scaled = kn_scratch(ctx, 3 * f->count, sizeof *f->scaled);
+    double *weights = kn_scratch(ctx, f->count, sizeof *weights);
+    f->place_cross = kn_scratch(ctx, f->count, sizeof *f->place_cross);
+    f->place_self = kn_scratch(ctx, f->count, sizeof *f->place_self);
+    if (!f->scaled || !weights || !f->place_cross || !f->place_self) return false;
+    kn_bernstein_weights(weights, 2, b->degree);
+    for (size_t i = 0; i < 3 * f->count; i++) f->scaled[i] = b->coef[i] * weights[i % f->count];
+    kn_bernstein_places(f->place_cross, 2, b->degree, cross);
+    if (self) kn_bernstein_places(f->place_self, 2, b->degree, self);
+    return true;
+}
+
+// weights: room for the larger of both products.
+static void multiply(double *box, double *weights, const residual *r, const factor *m, const factor *n,
+                     const kn_bezier *normal)
+{
+    memset(box, 0, r->size * sizeof *box);
+    kn_bernstein_weights(weights, 2, r->cross);
+    for (size_t c = 0; c < 3; c++) {
+        size_t a = (c + 1) % 3, b = (c + 2) % 3;
+        double *to = box + c * r->ncross;
+        kn_bernstein_convolve(to, m->scaled + a * m->count, m->place_cross, m->count, n->scaled + b * n->count,
+                              n->place_cross, n->count, n->row, 1.0);
+        kn_bernstein_convolve(to, m->scaled + b * m->count, m->place_cross, m->count, n->scaled + a * n->count,
+                              n->place_cross, n->count, n->row, -1.0);
+        for (size_t i = 0; i < r->ncross; i++) to[i] /= weights[i];
+    }
+    memcpy(box + 3 * r->ncross, normal->coef, 3 * r->nnormal * sizeof *box);
+    double *square = box + 3 * (r->ncross + r->nnormal);
+    for (size_t c = 0; c < 3; c++)
+        kn_bernstein_convolve(square, m->scaled + c * m->count, m->place_self, m->count, m->scaled + c * m->count,
+                              m->place_self, m->count, m->row, 1.0);
+    kn_bernstein_weights(weights, 2, r->length);
+    for (size_t i = 0; i < r->nlength; i++) square[i] = square[i] / weights[i] - 1.0;
+}
+
+// Each coefficient of a product is a mean of products, so gamma(k) of the largest product bounds its rounding.
+static void rounding(search *s, const kn_bezier *m, const kn_bezier *n)
+{
+    const kn_certify_options *o = s->options;
+    double split = 2.0 * DEPTH * (s->r.cross[0] + s->r.cross[1] + s->r.length[0] + s->r.length[1] + 4);
+    double big_m = kn_largest_vector(m, 0, 3), big_n = kn_largest_vector(n, 0, 3);
+    double terms = (double)kn_bezier_count(m);
+    s->cross_error = 2.0 * kn_gamma(2 * terms + 24 + split) * big_m * big_n;
+    s->cross_error += 1.01 * (big_m * o->direction_error + big_n * o->normal_error);
+    s->normal_error = kn_gamma(24 + split) * big_n + o->direction_error;
+    s->length_error = kn_gamma(3 * terms + 24 + split) * (big_m * big_m + 1.0) + 2.02 * big_m * o->normal_error;
+}
+
+static bool prepare(kn_ctx *ctx, search *s, const kn_bezier *m, const kn_bezier *n)
+{
+    residual *r = &s->r;
+    for (int v = 0; v < 2; v++) {
+        r->cross[v] = m->degree[v] + n->degree[v];
+        r->normal[v] = n->degree[v];
+        r->length[v] = 2 * m->degree[v];
+        assert(r->cross[v] <= KN_MAX_DEGREE && r->length[v] <= KN_MAX_DEGREE);
+    }
+    r->ncross = kn_bernstein_count(2, r->cross);
+    r->nnormal = kn_bernstein_count(2, r->normal);
+    r->nlength = kn_bernstein_count(2, r->length);
+    r->size = 3 * (r->ncross + r->nnormal) + r->nlength;
+    factor fm, fn;
+    if (!factor_init(ctx, &fm, m, r->cross, r->length) || !factor_init(ctx, &fn, n, r->cross, NULL)) return false;
+    double *levels = kn_scratch(ctx, (2 * DEPTH + 1) * r->size, sizeof *levels);
+    double *weights = kn_scratch(ctx, r->ncross > r->nlength ? r->ncross : r->nlength, sizeof *weights);
+    if (!levels || !weights) return false;
+    s->level[0] = levels;
+    for (int k = 1; k <= DEPTH; k++) s->level[k] = levels + (size_t)(2 * k - 1) * r->size;
+    multiply(levels, weights, r, &fm, &fn, n);
+    rounding(s, m, n);
+    return true;
+}
+
+// sin(angle) < 1 everywhere keeps m.N from changing its sign, so one corner decides between 0 and pi.
+static bool same_side(const kn_bezier *m, const kn_bezier *n)
+{
+    size_t cm = kn_bezier_count(m), cn = kn_bezier_count(n);
+    return m->coef[0] * n->coef[0] + m->coef[cm] * n->coef[cn] + m->coef[2 * cm] * n->coef[2 * cn] > 0.0;
+}
+
+kn_status kn_certify(kn_ctx *ctx, kn_normal_certificate *out, const kn_bezier *m, const kn_bezier *direction,
+                     const kn_certify_options *options)
+{
+    search s = {.options = options};
+    kn_mark mark = kn_scratch_mark(ctx);
+    bool room = prepare(ctx, &s, m, direction);
+    if (room) {
+        search_box(&s, 0);
+        bool good = !s.failed && same_side(m, direction);
+        double inflate = 1.0 + 0x1p-40; // square roots, quotients and the arc sine above
+        *out = good ? (kn_normal_certificate){s.length * inflate, s.angle * inflate, true}
+                    : (kn_normal_certificate){INFINITY, INFINITY, false};
+    }
+    kn_scratch_release(ctx, mark);
+    return room ? KN_OK : KN_ENOMEM;
+}
+
+// Places that are the sites of no interpolation at equal or symmetric sites.
+void kn_sample_errors(double *length, double *angle, const kn_bezier *m, const kn_bezier *direction)
+{
+    static const double places[4] = {0.11, 0.37, 0.63, 0.89};
+    double bm[KN_MAX_DEGREE + 1], bn[KN_MAX_DEGREE + 1], row_m[3 * (KN_MAX_DEGREE + 1)],
+        row_n[3 * (KN_MAX_DEGREE + 1)];
+    *length = *angle = 0.0;
+    for (int k = 0; k < 16; k++) {
+        double a[3], b[3], x[3], mm = 0.0, nn = 0.0, cross = 0.0;
+        if (k % 4 == 0) {
+            kn_bernstein_basis(bm, m->degree[0], places[k / 4]);
+            kn_bernstein_basis(bn, direction->degree[0], places[k / 4]);
+            kn_bernstein_contract(row_m, m->coef, 3, m->degree[0] + 1, (size_t)m->degree[1] + 1, bm);
+            kn_bernstein_contract(row_n, direction->coef, 3, direction->degree[0] + 1,
+                                  (size_t)direction->degree[1] + 1, bn);
+        }
+        kn_bernstein_basis(bm, m->degree[1], places[k % 4]);
+        kn_bernstein_basis(bn, direction->degree[1], places[k % 4]);
+        kn_bernstein_contract(a, row_m, 3, m->degree[1] + 1, 1, bm);
+        kn_bernstein_contract(b, row_n, 3, direction->degree[1] + 1, 1, bn);
+        for (int c = 0; c < 3; c++) {
+            x[c] = a[(c + 1) % 3] * b[(c + 2) % 3] - a[(c + 2) % 3] * b[(c + 1) % 3];
+            mm += a[c] * a[c], nn += b[c] * b[c], cross += x[c] * x[c];
+        }
+        *length = fmax(*length, fabs(sqrt(mm) - 1.0));
+        double sine = sqrt(cross / (mm * nn)); // not finite where either vanishes: then no error is small enough
+        *angle = sine < 1.0 ? fmax(*angle, asin(sine)) : INFINITY;
+    }
+}

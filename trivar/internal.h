@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: Apache-2.0
+// Inside trivar: what a shell holds, and the steps by which it is made.
+#ifndef TRIVAR_INTERNAL_H
+#define TRIVAR_INTERNAL_H
+
+#include <knurl/shell.h>
+
+// The direction of the normal of S over one of its knot spans, a polynomial in [0,1]^2 of that span, three
+// components: S_u x S_v up to a positive factor, with the factors that vanish along its edges divided out.
+typedef struct kn_direction {
+    kn_bezier n;
+    double error;    // bound of the error of every coefficient vector of n
+    int order[2][2]; // [variable][end]: how often x or (1 - x) was divided out
+} kn_direction;
+
+struct kn_shell {
+    kn_spline surface, normal;
+    double normal_tol;
+    bool closed[2];
+    double *line[2]; // cell lines
+    int nlines[2];
+    double *knot[2]; // distinct knots of S: the borders of `direction` and `span`
+    int nknots[2];
+    double *cut[2]; // distinct knots of n: the borders of `normal_piece` and `certificates`
+    int ncuts[2];
+    kn_direction *direction;
+    kn_bezier *span, *cell, *normal_piece; // pieces of S over its knot spans and over cells, and of n
+    size_t ndirections, nspans, ncells, nnormal_pieces;
+    kn_normal_certificate *certificates; // one for each of normal_piece
+    kn_normal_certificate certificate;   // of all of them
+};
+
+// The interval of breaks[0 .. n-1] that serves x: the right-hand one at a break, the end ones outside.
+int kn_interval(const double *breaks, int n, double x);
+// The largest Euclidean norm of a coefficient vector, components first .. first+count-1.
+double kn_largest_vector(const kn_bezier *b, int first, int count);
+// u-bound of k roundings: k u / (1 - k u).
+double kn_gamma(double k);
+
+// ---- numerator.c ----
+// *out = the direction of one piece of S; *zero: its area vanishes identically (then *out stays empty).
+// u0, u1: the box of the span, for messages.
+kn_status kn_direction_init(kn_ctx *ctx, kn_direction *out, bool *zero, const kn_bezier *piece);
+void kn_direction_clear(kn_ctx *ctx, kn_direction *d);
+// The unit normal at x in [0,1]^2 of the span; false (and zeros) where the direction vanishes.
+bool kn_direction_unit(double unit[3], const kn_bezier *direction, const double x[2]);
+// ---- regular.c ----
+// *regular: the direction vanishes nowhere on [0,1]^2; otherwise at[2] is within 2^-20 of a place where it does.
+kn_status kn_direction_regular(kn_ctx *ctx, bool *regular, double at[2], const kn_direction *d);
+
+// ---- certify.c ----
+typedef struct kn_certify_options {
+    double limit;           // neither error may pass it; give up as soon as one does
+    double target[2];       // length and angle bounds at or below these need no subdivision
+    double normal_error;    // of n's coefficients
+    double direction_error; // of the direction's coefficients
+} kn_certify_options;
+// Bounds over [0,1]^2 of how far m is from direction/|direction|. certified is false, and the numbers INFINITY, when
+// a bound passes the limit or none was found.
+kn_status kn_certify(kn_ctx *ctx, kn_normal_certificate *out, const kn_bezier *m, const kn_bezier *direction,
+                     const kn_certify_options *options);
+// The largest errors of both kinds at 16 points inside: a lower bound of what kn_certify finds.
+void kn_sample_errors(double *length, double *angle, const kn_bezier *m, const kn_bezier *direction);
+
+// ---- fit_axis.c ----
+// Collocation along one axis: row i has the values of the B-splines at site[i], all within degree of the diagonal.
+typedef struct kn_collocation {
+    int count, degree;
+    double *band; // count rows of 2 degree + 1: the L U factors, L with unit diagonal
+} kn_collocation;
+size_t kn_collocation_room(int count, int degree); // doubles for `band`
+// site_span[i]: the knot span whose polynomials serve site i.
+void kn_collocation_factor(kn_collocation *c, const double *knots, const double *site, const int *site_span);
+// in place, data (outer, count, inner): values at the sites become coefficients.
+void kn_collocation_solve(const kn_collocation *c, double *data, size_t outer, size_t inner);
+
+// ---- grid.c ----
+// One variable of the fitted normal: the lines, how often n is differentiable across each, and what follows from a
+// degree: knots, sites and the span of n and of S that serve each site.
+typedef struct kn_grid_axis {
+    int ncuts, room;
+    double *cut;
+    int *smooth; // -1: n jumps; KN_SMOOTH: no limit but the degree
+    int degree, count;
+    double *knots, *site;
+    int *site_span, *site_knot_span;
+} kn_grid_axis;
+enum { KN_SMOOTH = 1000 };
+kn_status kn_grid_init(kn_ctx *ctx, kn_grid_axis *g, const kn_shell *shell, int var);
+void kn_grid_clear(kn_ctx *ctx, kn_grid_axis *g);
+kn_status kn_grid_set_degree(kn_ctx *ctx, kn_grid_axis *g, int degree, const double *breaks, int nbreaks);
+// Halves the intervals i with split[i].
+kn_status kn_grid_split(kn_ctx *ctx, kn_grid_axis *g, const char *split);
+
+// ---- fit.c ----
+// *out = the spline that interpolates the unit normal at the sites of both axes.
+kn_status kn_fit_normal(kn_ctx *ctx, kn_spline *out, const kn_shell *shell, const kn_grid_axis axes[2]);
+// ---- refine.c ----
+// Finds lines and degrees that meet the tolerance; fills normal, cut, normal_piece and the certificates.
+kn_status kn_refine_normal(kn_ctx *ctx, kn_shell *shell, int max_degree, int max_spans);
+
+// ---- stand_in.c ----
+// *out = a polynomial of degrees a + b <= degree_sum that meets limit on [0,1]^2; *fits tells whether there is one.
+kn_status kn_stand_in(kn_ctx *ctx, kn_bezier *out, kn_normal_certificate *certificate, bool *fits,
+                      const kn_bezier *direction, double direction_error, double limit, int degree_sum);
+
+#endif

@@ -1,0 +1,284 @@
+// SPDX-License-Identifier: Apache-2.0
+// The lines and degrees of the fitted normal: fit at the highest degree, certify every span, halve those that fail
+// in the variable that is to blame, and at last take the lowest degrees that meet the tolerance on these lines.
+#include "kernel/context.h"
+#include "trivar/internal.h"
+
+#include <math.h>
+#include <string.h>
+
+enum { LOWEST_DEGREE = 3 };
+
+typedef struct refinement {
+    kn_shell *shell;
+    int max_degree, max_spans;
+    kn_grid_axis axes[2];
+    kn_bezier *box; // the direction over each span of n, last variable fastest
+    double *box_error;
+    size_t nboxes;
+} refinement;
+
+typedef struct candidate {
+    kn_spline n;
+    kn_bezier *pieces;
+    size_t npieces;
+    kn_normal_certificate *certificates, worst;
+    char *failed; // spans that do not meet the tolerance
+    size_t nfailed;
+} candidate;
+
+static void candidate_clear(kn_ctx *ctx, candidate *c)
+{
+    kn_spline_clear(ctx, &c->n);
+    for (size_t i = 0; i < c->npieces; i++) kn_bezier_clear(ctx, &c->pieces[i]);
+    kn_free(ctx, c->pieces);
+    kn_free(ctx, c->certificates);
+    kn_free(ctx, c->failed);
+    *c = (candidate){0};
+}
+
+// ---- the direction over each span of the grid ----
+
+static void clear_boxes(kn_ctx *ctx, refinement *r)
+{
+    for (size_t i = 0; i < r->nboxes; i++) kn_bezier_clear(ctx, &r->box[i]);
+    kn_free(ctx, r->box);
+    kn_free(ctx, r->box_error);
+    r->box = NULL, r->box_error = NULL, r->nboxes = 0;
+}
+
+static kn_status make_box(kn_ctx *ctx, refinement *r, int i, int j)
+{
+    const kn_shell *s = r->shell;
+    const int at[2] = {i, j};
+    int from[2];
+    double lo[2], hi[2];
+    for (int v = 0; v < 2; v++) {
+        const double *cut = r->axes[v].cut + at[v], *knot;
+        from[v] = kn_interval(s->knot[v], s->nknots[v], cut[0]);
+        knot = s->knot[v] + from[v];
+        lo[v] = (cut[0] - knot[0]) / (knot[1] - knot[0]);
+        hi[v] = (cut[1] - knot[0]) / (knot[1] - knot[0]);
+    }
+    const kn_direction *d = &s->direction[from[0] * (s->nknots[1] - 1) + from[1]];
+    size_t k = (size_t)i * (size_t)(r->axes[1].ncuts - 1) + (size_t)j;
+    kn_status status = kn_bezier_restrict(ctx, &r->box[k], &d->n, lo, hi);
+    if (status == KN_OK)
+        r->box_error[k] = d->error +
+                          kn_gamma(8.0 * (d->n.degree[0] + d->n.degree[1] + 4)) * kn_largest_vector(&d->n, 0, 3);
+    return status;
+}
+
+static kn_status make_boxes(kn_ctx *ctx, refinement *r)
+{
+    clear_boxes(ctx, r);
+    int nu = r->axes[0].ncuts - 1, nv = r->axes[1].ncuts - 1;
+    size_t n = (size_t)nu * (size_t)nv;
+    r->box = kn_alloc_zero(ctx, n, sizeof *r->box);
+    r->box_error = kn_alloc(ctx, n, sizeof *r->box_error);
+    if (!r->box || !r->box_error) return KN_ENOMEM;
+    r->nboxes = n;
+    kn_status status = KN_OK;
+    for (int i = 0; i < nu && status == KN_OK; i++)
+        for (int j = 0; j < nv && status == KN_OK; j++) status = make_box(ctx, r, i, j);
+    return status;
+}
+
+// ---- one fit, and what it is worth ----
+
+static kn_status fit(kn_ctx *ctx, candidate *c, refinement *r, const int degree[2])
+{
+    kn_shell *s = r->shell;
+    kn_status status = KN_OK;
+    for (int v = 0; v < 2 && status == KN_OK; v++)
+        status = kn_grid_set_degree(ctx, &r->axes[v], degree[v], s->knot[v], s->nknots[v]);
+    if (status == KN_OK) status = kn_fit_normal(ctx, &c->n, s, r->axes);
+    if (status == KN_OK) status = kn_spline_to_bezier(ctx, &c->pieces, &c->npieces, &c->n);
+    if (status != KN_OK) return status;
+    c->certificates = kn_alloc_zero(ctx, c->npieces, sizeof *c->certificates);
+    c->failed = kn_alloc_zero(ctx, c->npieces, 1);
+    return c->certificates && c->failed ? KN_OK : KN_ENOMEM;
+}
+
+// Samples first, which is cheap and finds most failures; then bounds, subdivided until they come within twice the
+// worst sample of all.
+static kn_status examine(kn_ctx *ctx, candidate *c, const refinement *r, bool all)
+{
+    double tol = r->shell->normal_tol, worst[2] = {0}, length, angle;
+    for (size_t i = 0; i < c->npieces; i++) {
+        kn_sample_errors(&length, &angle, &c->pieces[i], &r->box[i]);
+        c->failed[i] = !(length <= tol && angle <= tol);
+        c->nfailed += (size_t)c->failed[i];
+        worst[0] = fmax(worst[0], length);
+        worst[1] = fmax(worst[1], angle);
+        if (c->nfailed > 0 && !all) return KN_OK;
+    }
+    if (c->nfailed > 0) return KN_OK;
+    double error = kn_gamma(16.0 * (c->n.degree[0] + c->n.degree[1] + 2)) * 2.0;
+    kn_certify_options o = {.limit = tol, .target = {1.6 * worst[0], 1.6 * worst[1]}, .normal_error = error};
+    c->worst.certified = true;
+    for (size_t i = 0; i < c->npieces; i++) {
+        o.direction_error = r->box_error[i];
+        kn_normal_certificate *here = &c->certificates[i];
+        kn_status status = kn_certify(ctx, here, &c->pieces[i], &r->box[i], &o);
+        if (status != KN_OK) return status;
+        c->failed[i] = !here->certified;
+        c->nfailed += (size_t)c->failed[i];
+        c->worst.length_error = fmax(c->worst.length_error, here->length_error);
+        c->worst.angle_error = fmax(c->worst.angle_error, here->angle_error);
+        if (c->nfailed > 0 && !all) return KN_OK;
+    }
+    return KN_OK;
+}
+
+// ---- where to put more lines ----
+
+// The difference of order degree + 1 of the unit normal at equal steps across the box in variable var: what a
+// polynomial of that degree leaves over, up to a factor that both variables share.
+static double left_over(const kn_bezier *direction, int degree, int var)
+{
+    double worst = 0.0;
+    for (int line = 0; line < 3; line++) {
+        double f[KN_MAX_DEGREE + 2][3], x[2], square = 0.0;
+        x[1 - var] = 0.5 * line;
+        for (int k = 0; k <= degree + 1; k++) {
+            x[var] = (double)k / (degree + 1);
+            if (!kn_direction_unit(f[k], direction, x)) return INFINITY;
+        }
+        for (int round = 0; round <= degree; round++)
+            for (int k = 0; k <= degree - round; k++)
+                for (int c = 0; c < 3; c++) f[k][c] = f[k + 1][c] - f[k][c];
+        for (int c = 0; c < 3; c++) square += f[0][c] * f[0][c];
+        worst = fmax(worst, sqrt(square));
+    }
+    return worst;
+}
+
+// split[v]: for each interval of variable v, whether it is to be halved.
+static void choose(const refinement *r, const candidate *c, char *const split[2])
+{
+    size_t nv = (size_t)r->axes[1].ncuts - 1;
+    for (size_t i = 0; i < c->npieces; i++) {
+        if (!c->failed[i]) continue;
+        double length, angle, u = left_over(&r->box[i], r->max_degree, 0),
+                              v = left_over(&r->box[i], r->max_degree, 1);
+        kn_sample_errors(&length, &angle, &c->pieces[i], &r->box[i]);
+        double error = fmax(fmax(length, angle), 2.0 * r->shell->normal_tol);
+        double share_u = u > 0.0 || v > 0.0 ? error * (u / (u + v)) : error; // not finite: both
+        double share_v = error - share_u, half = 0.5 * r->shell->normal_tol;
+        if (!(share_u <= half) || u >= v) split[0][i / nv] = 1;
+        if (!(share_v <= half) || v > u) split[1][i % nv] = 1;
+    }
+}
+
+static kn_status give_up(kn_ctx *ctx, const refinement *r, const char *why)
+{
+    return kn_fail(ctx, KN_EUNDECIDED, "shell: normal tolerance %.3g not met with %d x %d spans of degree %d: %s",
+                   r->shell->normal_tol, r->axes[0].ncuts - 1, r->axes[1].ncuts - 1, r->max_degree, why);
+}
+
+static kn_status split_axis(kn_ctx *ctx, refinement *r, int var, const char *split)
+{
+    kn_grid_axis *g = &r->axes[var];
+    double width = g->cut[g->ncuts - 1] - g->cut[0];
+    int more = 0;
+    for (int i = 0; i + 1 < g->ncuts; i++) {
+        more += split[i] != 0;
+        if (split[i] && g->cut[i + 1] - g->cut[i] < 1e-9 * width)
+            return give_up(ctx, r, "spans shrink without end (is the normal continuous?)");
+    }
+    if (g->ncuts - 1 + more > r->max_spans) return give_up(ctx, r, "max_spans");
+    return kn_grid_split(ctx, g, split);
+}
+
+static kn_status more_lines(kn_ctx *ctx, refinement *r, const candidate *c)
+{
+    size_t nu = (size_t)r->axes[0].ncuts - 1, nv = (size_t)r->axes[1].ncuts - 1;
+    kn_mark mark = kn_scratch_mark(ctx);
+    char *split[2] = {kn_scratch(ctx, nu, 1), kn_scratch(ctx, nv, 1)};
+    kn_status status = split[0] && split[1] ? KN_OK : KN_ENOMEM;
+    if (status == KN_OK) {
+        memset(split[0], 0, nu);
+        memset(split[1], 0, nv);
+        choose(r, c, split);
+        status = split_axis(ctx, r, 0, split[0]);
+        if (status == KN_OK) status = split_axis(ctx, r, 1, split[1]);
+        if (status == KN_OK) status = make_boxes(ctx, r);
+    }
+    kn_scratch_release(ctx, mark);
+    return status;
+}
+
+// ---- the whole ----
+
+static kn_status refine_lines(kn_ctx *ctx, candidate *best, refinement *r)
+{
+    const int degree[2] = {r->max_degree, r->max_degree};
+    kn_status status = make_boxes(ctx, r);
+    while (status == KN_OK) {
+        candidate c = {0};
+        status = fit(ctx, &c, r, degree);
+        if (status == KN_OK) status = examine(ctx, &c, r, true);
+        if (status == KN_OK && c.nfailed == 0) {
+            *best = c;
+            return KN_OK;
+        }
+        if (status == KN_OK) status = more_lines(ctx, r, &c);
+        candidate_clear(ctx, &c);
+    }
+    return status;
+}
+
+// The first pair of degrees, by their sum and then the most even, that meets the tolerance on the same lines.
+static kn_status lower_degrees(kn_ctx *ctx, candidate *best, refinement *r)
+{
+    int top = r->max_degree;
+    for (int sum = 2 * LOWEST_DEGREE; sum < 2 * top; sum++)
+        for (int k = 0; k <= 2 * (top - LOWEST_DEGREE); k++) {
+            int odd = sum % 2, difference = k / 2 * 2 + odd, sign = k % 2 ? -1 : 1;
+            int degree[2] = {(sum + sign * difference) / 2, (sum - sign * difference) / 2};
+            if (degree[0] < LOWEST_DEGREE || degree[1] < LOWEST_DEGREE || degree[0] > top || degree[1] > top)
+                continue;
+            if (difference == 0 && sign < 0) continue;
+            candidate c = {0};
+            kn_status status = fit(ctx, &c, r, degree);
+            if (status == KN_OK) status = examine(ctx, &c, r, false);
+            bool good = status == KN_OK && c.nfailed == 0;
+            if (good) {
+                candidate old = *best;
+                *best = c;
+                c = old;
+            }
+            candidate_clear(ctx, &c);
+            if (status != KN_OK || good) return status;
+        }
+    return KN_OK;
+}
+
+static void adopt(refinement *r, candidate *c)
+{
+    kn_shell *s = r->shell;
+    kn_spline_swap(&s->normal, &c->n);
+    s->normal_piece = c->pieces, s->nnormal_pieces = c->npieces;
+    s->certificates = c->certificates, s->certificate = c->worst;
+    c->pieces = NULL, c->npieces = 0, c->certificates = NULL;
+    for (int v = 0; v < 2; v++) {
+        s->cut[v] = r->axes[v].cut, s->ncuts[v] = r->axes[v].ncuts;
+        r->axes[v].cut = NULL;
+    }
+}
+
+kn_status kn_refine_normal(kn_ctx *ctx, kn_shell *shell, int max_degree, int max_spans)
+{
+    refinement r = {.shell = shell, .max_degree = max_degree, .max_spans = max_spans};
+    candidate best = {0};
+    kn_status status = kn_grid_init(ctx, &r.axes[0], shell, 0);
+    if (status == KN_OK) status = kn_grid_init(ctx, &r.axes[1], shell, 1);
+    if (status == KN_OK) status = refine_lines(ctx, &best, &r);
+    if (status == KN_OK) status = lower_degrees(ctx, &best, &r);
+    if (status == KN_OK) adopt(&r, &best);
+    candidate_clear(ctx, &best);
+    clear_boxes(ctx, &r);
+    for (int v = 0; v < 2; v++) kn_grid_clear(ctx, &r.axes[v]);
+    return status;
+}

@@ -1,0 +1,232 @@
+// SPDX-License-Identifier: Apache-2.0
+// A shell's life, and what it tells of itself.
+#include "kernel/context.h"
+#include "kernel/knots.h"
+#include "trivar/internal.h"
+
+#include <math.h>
+#include <string.h>
+
+static const double default_tol = 1e-6;
+enum { DEFAULT_DEGREE = 5, DEFAULT_SPANS = 4096, HIGHEST_DEGREE = 12 };
+
+kn_shell_options kn_shell_defaults(void)
+{
+    return (kn_shell_options){.normal_tol = default_tol, .max_degree = DEFAULT_DEGREE, .max_spans = DEFAULT_SPANS};
+}
+
+// ---- life ----
+
+static void clear_pieces(kn_ctx *ctx, kn_bezier *pieces, size_t n)
+{
+    for (size_t i = 0; i < n; i++) kn_bezier_clear(ctx, &pieces[i]);
+    kn_free(ctx, pieces);
+}
+
+void kn_shell_destroy(kn_ctx *ctx, kn_shell *shell)
+{
+    if (!shell) return;
+    kn_spline_clear(ctx, &shell->surface);
+    kn_spline_clear(ctx, &shell->normal);
+    for (size_t i = 0; i < shell->ndirections; i++) kn_direction_clear(ctx, &shell->direction[i]);
+    kn_free(ctx, shell->direction);
+    clear_pieces(ctx, shell->span, shell->nspans);
+    clear_pieces(ctx, shell->cell, shell->ncells);
+    clear_pieces(ctx, shell->normal_piece, shell->nnormal_pieces);
+    kn_free(ctx, shell->certificates);
+    for (int v = 0; v < 2; v++) {
+        kn_free(ctx, shell->line[v]);
+        kn_free(ctx, shell->knot[v]);
+        kn_free(ctx, shell->cut[v]);
+    }
+    kn_free(ctx, shell);
+}
+
+static kn_status check(kn_ctx *ctx, const kn_spline *s, const kn_shell_options *o)
+{
+    kn_status status = kn_spline_check(ctx, s);
+    if (status != KN_OK) return status;
+    if (s->nvars != 2 || kn_spline_dim(s) != 3)
+        return kn_fail(ctx, KN_EDOMAIN, "shell: %d variables and %d components, not a surface in space", s->nvars,
+                       kn_spline_dim(s));
+    if (s->degree[0] < 1 || s->degree[1] < 1)
+        return kn_fail(ctx, KN_EDOMAIN, "shell: degrees %d, %d: no surface", s->degree[0], s->degree[1]);
+    if (!(o->normal_tol > 0.0 && o->normal_tol < 0.5))
+        return kn_fail(ctx, KN_EDOMAIN, "shell: normal_tol %g", o->normal_tol);
+    if (o->max_degree < 3 || o->max_spans < 1)
+        return kn_fail(ctx, KN_EDOMAIN, "shell: max_degree %d, max_spans %d", o->max_degree, o->max_spans);
+    if (o->max_degree > HIGHEST_DEGREE)
+        return kn_fail(ctx, KN_ELIMIT, "shell: max_degree %d above %d", o->max_degree, (int)HIGHEST_DEGREE);
+    return KN_OK;
+}
+
+// ---- lines ----
+
+// A line within rounding of a knot is that knot.
+static kn_status take_lines(kn_ctx *ctx, kn_shell *s, int v, const double *lines, int nlines)
+{
+    int nk = s->nknots[v], hit = 0;
+    const double *knot = s->knot[v];
+    double close = 0x1p-48 * (fabs(knot[0]) + fabs(knot[nk - 1]));
+    s->line[v] = kn_alloc(ctx, (size_t)nlines, sizeof *s->line[v]);
+    if (!s->line[v]) return KN_ENOMEM;
+    s->nlines[v] = nlines;
+    for (int i = 0; i < nlines; i++) {
+        double x = lines[i];
+        if (hit < nk && fabs(x - knot[hit]) <= close) x = knot[hit++];
+        if (!isfinite(x) || (i > 0 && !(x > s->line[v][i - 1])))
+            return kn_fail(ctx, KN_EDOMAIN, "shell: cell line %d of variable %d is %g, after %g", i, v, x,
+                           i > 0 ? s->line[v][i - 1] : -INFINITY);
+        if (hit < nk && x > knot[hit]) break;
+        s->line[v][i] = x;
+    }
+    if (hit < nk) return kn_fail(ctx, KN_EDOMAIN, "shell: knot %.17g of variable %d is no cell line", knot[hit], v);
+    if (s->line[v][0] != knot[0] || s->line[v][nlines - 1] != knot[nk - 1])
+        return kn_fail(ctx, KN_EDOMAIN, "shell: the cell lines of variable %d do not end with the domain", v);
+    return KN_OK;
+}
+
+static kn_status set_lines(kn_ctx *ctx, kn_shell *s, const kn_shell_options *o)
+{
+    for (int v = 0; v < 2; v++) {
+        const kn_spline *f = &s->surface;
+        s->nknots[v] = kn_knots_spans(f->knots[v], f->degree[v], f->count[v]) + 1;
+        s->knot[v] = kn_alloc(ctx, (size_t)s->nknots[v], sizeof *s->knot[v]);
+        if (!s->knot[v]) return KN_ENOMEM;
+        kn_knots_breaks(s->knot[v], NULL, f->knots[v], f->degree[v], f->count[v]);
+        bool given = o->lines[v] != NULL;
+        int n = given ? o->nlines[v] : s->nknots[v];
+        if (n < 2) return kn_fail(ctx, KN_EDOMAIN, "shell: %d cell lines in variable %d", n, v);
+        if (n - 1 > o->max_spans)
+            return kn_fail(ctx, KN_ELIMIT, "shell: %d cells in variable %d above max_spans %d", n - 1, v,
+                           o->max_spans);
+        kn_status status = take_lines(ctx, s, v, given ? o->lines[v] : s->knot[v], n);
+        if (status != KN_OK) return status;
+    }
+    return KN_OK;
+}
+
+// ---- pieces ----
+
+static kn_status cut_surface(kn_ctx *ctx, kn_shell *s)
+{
+    kn_spline fine = {0};
+    kn_status status = kn_spline_to_bezier(ctx, &s->span, &s->nspans, &s->surface);
+    if (status == KN_OK) status = kn_spline_copy(ctx, &fine, &s->surface);
+    for (int v = 0; v < 2 && status == KN_OK; v++) {
+        kn_mark mark = kn_scratch_mark(ctx);
+        double *more = kn_scratch(ctx, (size_t)s->nlines[v], sizeof *more);
+        int n = 0;
+        status = more ? KN_OK : KN_ENOMEM;
+        for (int i = 0, k = 0; i < s->nlines[v] && more; i++)
+            if (k < s->nknots[v] && s->line[v][i] == s->knot[v][k])
+                k++;
+            else
+                more[n++] = s->line[v][i];
+        if (status == KN_OK && n > 0) status = kn_spline_insert_knots(ctx, &fine, &fine, v, more, n);
+        kn_scratch_release(ctx, mark);
+    }
+    if (status == KN_OK) status = kn_spline_to_bezier(ctx, &s->cell, &s->ncells, &fine);
+    kn_spline_clear(ctx, &fine);
+    return status;
+}
+
+static kn_status make_directions(kn_ctx *ctx, kn_shell *s)
+{
+    size_t columns = (size_t)s->nknots[1] - 1, flat = 0;
+    s->direction = kn_alloc_zero(ctx, s->nspans, sizeof *s->direction);
+    if (!s->direction) return KN_ENOMEM;
+    s->ndirections = s->nspans;
+    for (size_t i = 0; i < s->nspans; i++) {
+        bool zero = false, regular = true;
+        double at[2];
+        const double *ku = s->knot[0] + i / columns, *kv = s->knot[1] + i % columns;
+        kn_status status = kn_direction_init(ctx, &s->direction[i], &zero, &s->span[i]);
+        if (status == KN_OK && !zero) status = kn_direction_regular(ctx, &regular, at, &s->direction[i]);
+        if (status != KN_OK) return status;
+        flat += zero;
+        if (zero && i > flat - 1)
+            return kn_fail(ctx, KN_EDOMAIN, "shell: the surface has no area on [%g, %g] x [%g, %g]", ku[0], ku[1],
+                           kv[0], kv[1]);
+        if (!regular)
+            return kn_fail(ctx, KN_EUNDEFINED, "shell: the surface has no normal at (%.9g, %.9g)",
+                           ku[0] + at[0] * (ku[1] - ku[0]), kv[0] + at[1] * (kv[1] - kv[0]));
+    }
+    if (flat == s->nspans) return kn_fail(ctx, KN_EDOMAIN, "shell: the surface has zero area");
+    if (flat > 0) return kn_fail(ctx, KN_EDOMAIN, "shell: the surface has no area on its first %zu spans", flat);
+    return KN_OK;
+}
+
+static kn_status find_closed(kn_ctx *ctx, kn_shell *shell)
+{
+    const kn_spline *s = &shell->surface;
+    size_t count = kn_spline_count(s);
+    double lo[3], hi[3];
+    kn_status status = kn_spline_box(ctx, lo, hi, s);
+    if (status != KN_OK) return status;
+    double size = fmax(hi[0] - lo[0], fmax(hi[1] - lo[1], hi[2] - lo[2]));
+    for (int v = 0; v < 2; v++) {
+        size_t along = (size_t)s->count[1 - v], step = v == 0 ? 1 : (size_t)s->count[1],
+               across = v == 0 ? (count - (size_t)s->count[1]) : (size_t)s->count[1] - 1;
+        double worst = 0.0;
+        for (size_t k = 0; k < along * 3; k++) {
+            size_t a = k % along * step, b = a + across, c = k / along * count;
+            double wa = s->rational ? s->coef[3 * count + a] : 1.0, wb = s->rational ? s->coef[3 * count + b] : 1.0;
+            worst = fmax(worst, fabs(s->coef[c + a] / wa - s->coef[c + b] / wb));
+            worst = fmax(worst, size * fabs(wa - wb) / fmax(wa, wb));
+        }
+        shell->closed[v] = worst <= 1e-12 * size;
+    }
+    return KN_OK;
+}
+
+kn_status kn_shell_create(kn_ctx *ctx, kn_shell **out, const kn_spline *surface, const kn_shell_options *options)
+{
+    kn_shell_options o = options ? *options : kn_shell_defaults();
+    if (o.normal_tol == 0.0) o.normal_tol = default_tol;
+    if (o.max_degree == 0) o.max_degree = DEFAULT_DEGREE;
+    if (o.max_spans == 0) o.max_spans = DEFAULT_SPANS;
+    kn_status status = check(ctx, surface, &o);
+    if (status != KN_OK) return status;
+    kn_shell *s = kn_alloc_zero(ctx, 1, sizeof *s);
+    if (!s) return KN_ENOMEM;
+    s->normal_tol = o.normal_tol;
+    status = kn_spline_copy(ctx, &s->surface, surface);
+    if (status == KN_OK) status = set_lines(ctx, s, &o);
+    if (status == KN_OK) status = find_closed(ctx, s);
+    if (status == KN_OK) status = cut_surface(ctx, s);
+    if (status == KN_OK) status = make_directions(ctx, s);
+    if (status == KN_OK) status = kn_refine_normal(ctx, s, o.max_degree, o.max_spans);
+    if (status == KN_OK)
+        *out = s;
+    else
+        kn_shell_destroy(ctx, s);
+    return status;
+}
+
+// ---- what it tells ----
+
+const kn_spline *kn_shell_surface(const kn_shell *shell)
+{
+    return &shell->surface;
+}
+
+const kn_spline *kn_shell_normal(const kn_shell *shell)
+{
+    return &shell->normal;
+}
+
+kn_normal_certificate kn_shell_certificate(const kn_shell *shell)
+{
+    return shell->certificate;
+}
+
+void kn_shell_cells(const kn_shell *shell, int cells[2])
+{
+    for (int v = 0; v < 2; v++) cells[v] = shell->nlines[v] - 1;
+}
+
+void kn_shell_closed(const kn_shell *shell, bool closed[2])
+{
+    for (int v = 0; v < 2; v++) closed[v] = shell->closed[v];
+}

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Apache-2.0
+// Small things that several parts of a shell need.
+#include "trivar/internal.h"
+
+#include <math.h>
+
+int kn_interval(const double *breaks, int n, double x)
+{
+    int lo = 0, hi = n - 1;
+    while (hi - lo > 1) {
+        int mid = lo + (hi - lo) / 2;
+        if (x < breaks[mid])
+            hi = mid;
+        else
+            lo = mid;
+    }
+    return lo;
+}
+
+double kn_largest_vector(const kn_bezier *b, int first, int count)
+{
+    size_t n = kn_bezier_count(b);
+    double largest = 0.0;
+    for (size_t i = 0; i < n; i++) {
+        double square = 0.0;
+        for (int c = first; c < first + count; c++) square += b->coef[(size_t)c * n + i] * b->coef[(size_t)c * n + i];
+        largest = square > largest ? square : largest;
+    }
+    return sqrt(largest);
+}
+
+double kn_gamma(double k)
+{
+    double ku = k * 0x1p-53;
+    return ku / (1.0 - ku);
+}
