@@ -243,12 +243,12 @@ lint: tidy cppcheck
 tidy: $(patsubst %,$(B)/tidy/%.ok,$(LINT_C) $(LINT_CXX))
 $(B)/tidy/cli/%.ok $(B)/tidy/tests/%.ok: CPP += $(WITH)
 $(B)/tidy/bridges/occt/%.ok $(B)/tidy/tests/bridges/%.ok: CPP += $(CPP_occt)
-$(B)/tidy/%.c.ok: %.c $(PROJECT_HEADERS) .clang-tidy
+$(B)/tidy/%.c.ok: %.c $(PROJECT_HEADERS) .clang-tidy tests/.clang-tidy
 	@mkdir -p $(@D)
 	$(call say,TIDY,$<)
 	$(Q)clang-tidy --quiet $< -- $(WARN_C) $(CPP) >$@.log 2>&1 || { cat $@.log; exit 1; }
 	@touch $@
-$(B)/tidy/%.cpp.ok: %.cpp $(PROJECT_HEADERS) .clang-tidy
+$(B)/tidy/%.cpp.ok: %.cpp $(PROJECT_HEADERS) .clang-tidy tests/.clang-tidy
 	@mkdir -p $(@D)
 	$(call say,TIDY,$<)
 	$(Q)clang-tidy --quiet $< -- $(WARN_CXX) $(CPP) >$@.log 2>&1 || { cat $@.log; exit 1; }
