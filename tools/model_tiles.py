@@ -103,9 +103,9 @@ def chain():
 
 # ---- scale: two rows of scales a cell, staggered; one folded sheet ----
 
-SCALE_ASPECT = 0.28125
+SCALE_ASPECT = 0.3125
 SCALE = dict(shoulder=0.53125, tip=0.953125, point=0.35, nose=0.03125, thick=0.06,
-             mid=0.15, rise=0.16, curl=0.05, dome=0.06, ridge=0.03)
+             mid=0.16, rise=0.16, curl=0.055, dome=0.04, ridge=0.06)
 
 
 def scale_half(s):
