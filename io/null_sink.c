@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Apache-2.0
+// A sink that only counts.
+#include <knurl/io.h>
+
+#include "kernel/context.h"
+
+static kn_status null_commit(kn_ctx *ctx, void *user, const kn_patch_block *block, void *product)
+{
+    (void)ctx;
+    (void)product;
+    size_t *bytes = user;
+    for (size_t i = 0; i < block->count; i++) {
+        const kn_bezier *b = &block->patches[i].bezier;
+        *bytes += kn_bezier_count(b) * (size_t)b->ncomp * sizeof *b->coef;
+    }
+    return KN_OK;
+}
+
+static void null_close(kn_ctx *ctx, void *user)
+{
+    kn_free(ctx, user);
+}
+
+static size_t null_bytes(const void *user)
+{
+    const size_t *bytes = user;
+    return *bytes;
+}
+
+kn_status kn_null_sink(kn_ctx *ctx, kn_sink *out)
+{
+    size_t *bytes = kn_alloc_zero(ctx, 1, sizeof *bytes);
+    if (bytes == NULL) return KN_ENOMEM;
+    *out = (kn_sink){.user = bytes, .commit = null_commit, .close = null_close, .bytes = null_bytes};
+    return KN_OK;
+}

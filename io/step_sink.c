@@ -1,0 +1,276 @@
+// SPDX-License-Identifier: Apache-2.0
+// A sink that writes patches as STEP AP214 while they are composed.
+#include <knurl/io.h>
+
+#include "io/out_file.h"
+#include "io/step_write.h"
+#include "kernel/context.h"
+
+#include <limits.h>
+#include <string.h>
+
+enum { FLUSH_BYTES = 1 << 20 };
+
+// Which patches a part has. Patches of a part mostly follow each other, so that runs stay few.
+typedef struct part {
+    char name[KN_NAME_BYTES];
+    kn_material material;
+    kn_step_run *runs;
+    size_t nruns, room;
+} part;
+
+typedef struct step {
+    kn_out_file *file;
+    char *product, *time_stamp;
+    double unit_mm, uncertainty_mm;
+    part *parts;
+    int nparts;
+    int degree[2];
+    uint64_t patches, first, stride; // patches[k] is numbered from first + k stride
+} step;
+
+static kn_status copy_string(kn_ctx *ctx, char **out, const char *string)
+{
+    size_t bytes = strlen(string) + 1;
+    *out = kn_alloc(ctx, bytes, 1);
+    if (*out == NULL) return KN_ENOMEM;
+    memcpy(*out, string, bytes);
+    return KN_OK;
+}
+
+static kn_status flush(kn_ctx *ctx, step *s, kn_text *text)
+{
+    if (text->failed) return KN_ENOMEM;
+    kn_status status = kn_out_write(ctx, s->file, text->data, text->bytes);
+    text->bytes = text->line = 0;
+    return status;
+}
+
+// ---- begin ----
+
+static kn_status copy_parts(kn_ctx *ctx, step *s, const kn_tile *tile)
+{
+    s->parts = kn_alloc_zero(ctx, (size_t)tile->nparts, sizeof *s->parts);
+    if (s->parts == NULL) return KN_ENOMEM;
+    s->nparts = tile->nparts;
+    for (int i = 0; i < tile->nparts; i++) {
+        memcpy(s->parts[i].name, tile->parts[i].name, sizeof s->parts[i].name);
+        s->parts[i].name[KN_NAME_BYTES - 1] = '\0';
+        s->parts[i].material = tile->parts[i].material;
+    }
+    return KN_OK;
+}
+
+// Many readers keep entity numbers in 32 bits.
+static kn_status number_patches(kn_ctx *ctx, step *s, const kn_job_report *report)
+{
+    s->degree[0] = report->degree[0], s->degree[1] = report->degree[1];
+    s->patches = report->patches;
+    s->first = KN_STEP_PARTS + KN_STEP_PART_NUMBERS * (uint64_t)s->nparts;
+    s->stride = (uint64_t)(s->degree[0] + 1) * (uint64_t)(s->degree[1] + 1) + KN_STEP_FACE_NUMBERS;
+    if (s->patches <= (INT_MAX - s->first) / s->stride) return KN_OK;
+    return kn_fail(ctx, KN_ELIMIT, "STEP: %zu patches of degree %d,%d need entity numbers beyond %d", report->patches,
+                   s->degree[0], s->degree[1], INT_MAX);
+}
+
+static kn_status step_begin(kn_ctx *ctx, void *user, const kn_tile *tile, const kn_job_report *report)
+{
+    step *s = user;
+    kn_text text = {.ctx = ctx};
+    kn_status status = copy_parts(ctx, s, tile);
+    if (status == KN_OK) status = number_patches(ctx, s, report);
+    if (status == KN_OK) {
+        kn_step_put_header(&text, s->product, s->time_stamp, s->uncertainty_mm);
+        status = flush(ctx, s, &text);
+    }
+    kn_text_clear(&text);
+    return status;
+}
+
+// ---- blocks ----
+
+static kn_status check_patch(kn_ctx *ctx, const step *s, const kn_patch *patch, uint64_t place)
+{
+    const kn_bezier *b = &patch->bezier;
+    if (b->nvars == 2 && kn_bezier_dim(b) == 3 && b->degree[0] <= s->degree[0] && b->degree[1] <= s->degree[1] &&
+        patch->id.part >= 0 && patch->id.part < s->nparts && place < s->patches)
+        return KN_OK;
+    return kn_fail(ctx, KN_EDOMAIN, "STEP: patch %llu is not what the job's report announced",
+                   (unsigned long long)place);
+}
+
+static kn_status step_work(kn_ctx *worker, void *user, const kn_patch_block *block, void **product)
+{
+    const step *s = user;
+    kn_text *text = kn_alloc_zero(worker, 1, sizeof *text);
+    if (text == NULL) return KN_ENOMEM;
+    text->ctx = worker;
+    kn_status status = KN_OK;
+    for (size_t i = 0; i < block->count && status == KN_OK; i++) {
+        const kn_patch *patch = &block->patches[i];
+        uint64_t place = (uint64_t)block->first + i;
+        status = check_patch(worker, s, patch, place);
+        if (status == KN_OK)
+            status = kn_step_put_face(text, patch, s->parts[patch->id.part].name, s->first + place * s->stride,
+                                      s->unit_mm);
+    }
+    if (status != KN_OK) {
+        kn_text_clear(text);
+        kn_free(worker, text);
+        return status;
+    }
+    *product = text;
+    return KN_OK;
+}
+
+static kn_status add_to_run(kn_ctx *ctx, part *p, uint64_t face, uint64_t stride)
+{
+    kn_step_run *last = p->nruns > 0 ? &p->runs[p->nruns - 1] : NULL;
+    if (last != NULL && last->first + last->count * stride == face) {
+        last->count++;
+        return KN_OK;
+    }
+    if (p->nruns == p->room) {
+        size_t room = p->room > 0 ? 2 * p->room : 8;
+        kn_step_run *larger = p->runs == NULL ? kn_alloc(ctx, room, sizeof *larger)
+                                              : kn_resize(ctx, p->runs, room, sizeof *larger);
+        if (larger == NULL) return KN_ENOMEM;
+        p->runs = larger, p->room = room;
+    }
+    p->runs[p->nruns++] = (kn_step_run){face, 1};
+    return KN_OK;
+}
+
+static void step_discard(kn_ctx *ctx, void *user, void *product)
+{
+    (void)user;
+    kn_text *text = product;
+    if (text == NULL) return;
+    text->ctx = ctx; // the worker's own context may be gone
+    kn_text_clear(text);
+    kn_free(ctx, text);
+}
+
+static kn_status step_commit(kn_ctx *ctx, void *user, const kn_patch_block *block, void *product)
+{
+    step *s = user;
+    const kn_text *text = product;
+    kn_status status = kn_out_write(ctx, s->file, text->data, text->bytes);
+    for (size_t i = 0; i < block->count && status == KN_OK; i++) {
+        const kn_patch *patch = &block->patches[i];
+        uint64_t face = kn_step_face(&patch->bezier, s->first + ((uint64_t)block->first + i) * s->stride);
+        status = add_to_run(ctx, &s->parts[patch->id.part], face, s->stride);
+    }
+    step_discard(ctx, user, product);
+    return status;
+}
+
+// ---- end ----
+
+// The shell's faces could be millions: the text goes out in pieces.
+static kn_status put_shell(kn_ctx *ctx, step *s, kn_text *text, const part *p, uint64_t first)
+{
+    kn_status status = KN_OK;
+    kn_step_put_number(text, first);
+    kn_text_put(text, "OPEN_SHELL(");
+    kn_text_step_string(text, p->name);
+    kn_text_put(text, ",(");
+    for (size_t r = 0; r < p->nruns; r++)
+        for (uint64_t k = 0; k < p->runs[r].count && status == KN_OK; k++) {
+            if (r > 0 || k > 0) kn_text_comma(text);
+            kn_text_reference(text, p->runs[r].first + k * s->stride);
+            if (text->bytes > FLUSH_BYTES) status = flush(ctx, s, text);
+        }
+    kn_text_put(text, "));\n");
+    kn_step_put_number(text, first + 1);
+    kn_text_put(text, "SHELL_BASED_SURFACE_MODEL(");
+    kn_text_step_string(text, p->name);
+    kn_text_put(text, ",(");
+    kn_text_reference(text, first);
+    kn_text_put(text, "));");
+    kn_text_newline(text);
+    return status;
+}
+
+// "#number=NAME('',(" items of the parts that have faces "),#15);", each of them `offset` into its part's numbers.
+static void put_representation(kn_text *text, const step *s, uint64_t representation, const char *name,
+                               bool placement, uint64_t offset)
+{
+    bool written = placement;
+    kn_step_put_number(text, representation);
+    kn_text_put(text, name);
+    kn_text_put(text, "('',(");
+    if (placement) kn_text_reference(text, KN_STEP_PLACEMENT);
+    for (int i = 0; i < s->nparts; i++) {
+        if (s->parts[i].nruns == 0) continue;
+        if (written) kn_text_comma(text);
+        kn_text_reference(text, KN_STEP_PARTS + KN_STEP_PART_NUMBERS * (uint64_t)i + offset);
+        written = true;
+    }
+    kn_text_put(text, "),");
+    kn_text_reference(text, KN_STEP_GEOMETRY_CONTEXT);
+    kn_text_put(text, ");");
+    kn_text_newline(text);
+}
+
+static kn_status step_end(kn_ctx *ctx, void *user)
+{
+    step *s = user;
+    kn_text text = {.ctx = ctx};
+    kn_status status = KN_OK;
+    bool any = false;
+    for (int i = 0; i < s->nparts && status == KN_OK; i++) {
+        uint64_t first = KN_STEP_PARTS + KN_STEP_PART_NUMBERS * (uint64_t)i;
+        if (s->parts[i].nruns == 0) continue;
+        status = put_shell(ctx, s, &text, &s->parts[i], first);
+        kn_step_put_style(&text, &s->parts[i].material, first);
+        any = true;
+    }
+    put_representation(&text, s, KN_STEP_REPRESENTATION, "MANIFOLD_SURFACE_SHAPE_REPRESENTATION", true, 1);
+    if (any)
+        put_representation(&text, s, KN_STEP_PRESENTATION, "MECHANICAL_DESIGN_GEOMETRIC_PRESENTATION_REPRESENTATION",
+                           false, 2);
+    kn_text_put(&text, "ENDSEC;\nEND-ISO-10303-21;\n");
+    if (status == KN_OK) status = flush(ctx, s, &text);
+    if (status == KN_OK) status = kn_out_commit(ctx, s->file);
+    kn_text_clear(&text);
+    return status;
+}
+
+static void step_close(kn_ctx *ctx, void *user)
+{
+    step *s = user;
+    kn_out_close(ctx, s->file);
+    for (int i = 0; i < s->nparts; i++) kn_free(ctx, s->parts[i].runs);
+    kn_free(ctx, s->parts);
+    kn_free(ctx, s->product);
+    kn_free(ctx, s->time_stamp);
+    kn_free(ctx, s);
+}
+
+static size_t step_bytes(const void *user)
+{
+    const step *s = user;
+    return kn_out_bytes(s->file);
+}
+
+kn_status kn_step_sink(kn_ctx *ctx, kn_sink *out, const char *path, const kn_step_options *options)
+{
+    kn_step_options o = options != NULL ? *options : (kn_step_options){0};
+    if (!(o.unit_mm >= 0.0 && o.unit_mm < 1e12 && o.uncertainty_mm >= 0.0 && o.uncertainty_mm < 1e12))
+        return kn_fail(ctx, KN_EDOMAIN, "STEP: unit %g mm, uncertainty %g mm", o.unit_mm, o.uncertainty_mm);
+    step *s = kn_alloc_zero(ctx, 1, sizeof *s);
+    if (s == NULL) return KN_ENOMEM;
+    s->unit_mm = o.unit_mm > 0.0 ? o.unit_mm : 1.0;
+    s->uncertainty_mm = o.uncertainty_mm > 0.0 ? o.uncertainty_mm : 1e-3;
+    kn_status status = copy_string(ctx, &s->product, o.product != NULL ? o.product : "knurl");
+    if (status == KN_OK)
+        status = copy_string(ctx, &s->time_stamp, o.time_stamp != NULL ? o.time_stamp : "1970-01-01T00:00:00");
+    if (status == KN_OK) status = kn_out_open(ctx, &s->file, path);
+    if (status != KN_OK) {
+        step_close(ctx, s);
+        return status;
+    }
+    *out = (kn_sink){s, step_begin, step_work, step_commit, step_discard, step_end, step_close, step_bytes};
+    return KN_OK;
+}
