@@ -54,8 +54,6 @@ static kn_status add(kn_ctx *ctx, const char *what, kn_bezier *out, const kn_bez
     int dim = kn_bezier_dim(a);
     if (dim != kn_bezier_dim(b))
         return kn_fail(ctx, KN_EDOMAIN, "%s: %d and %d components", what, dim, kn_bezier_dim(b));
-    if (dim >= KN_MAX_COMPS && a->rational != b->rational)
-        return kn_fail(ctx, KN_ELIMIT, "%s: %d components and a weight", what, dim);
     kn_bezier c = {0};
     status = same_weight(a, b) ? add_elevated(ctx, &c, a, b, sign) : add_crosswise(ctx, what, &c, a, b, sign);
     return kn_bezier_finish(ctx, out, &c, status);
