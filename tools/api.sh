@@ -7,10 +7,10 @@ library=$1
 temporary=$(mktemp -d)
 trap 'rm -rf "$temporary"' EXIT
 
-cat include/knurl/*.h | sed 's|//.*||' | tr '\n' ' ' | tr ';{}' '\n\n\n' | sed -n 's/.*\bKN_API\b *\([^(]*\)(.*/\1/p' |
+cat include/knurl/*.h | sed 's|//.*||; /^ *#/d' | tr '\n' ' ' | tr ';{}' '\n\n\n' | sed -n 's/.*\bKN_API\b *\([^(]*\)(.*/\1/p' |
     sed 's/.*[ *]\(kn_[a-z0-9_]*\) *$/\1/' | LC_ALL=C sort >"$temporary/declared"
 nm -D --defined-only "$library" | awk '{ print $NF }' | LC_ALL=C sort >"$temporary/exported"
-cat tests/*/t_*.c | tr -cs 'A-Za-z0-9_' '\n' | grep '^kn_' | LC_ALL=C sort -u >"$temporary/tested"
+cat tests/*/*.c | tr -cs 'A-Za-z0-9_' '\n' | grep '^kn_' | LC_ALL=C sort -u >"$temporary/tested"
 
 status=0
 say()

@@ -1,6 +1,6 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
-# Shows that layers.sh and symbols.sh can fail: plants one violation at a time in a temporary copy.
+# Shows that layers.sh, symbols.sh and tests/run.sh can fail: plants one violation at a time in a temporary copy.
 set -eu
 tools=$(cd "$(dirname "$0")" && pwd)
 cc=${CC:-gcc}
@@ -76,4 +76,29 @@ symbol '#include <stdio.h>\nvoid kn_f(int n) { printf("%d", n); }'
 test $static$shared = 11 || wrong "symbols.sh accepts printing ($static $shared)"
 symbol '#include <stdlib.h>\nvoid kn_f(void) { exit(1); }'
 test $static$shared = 11 || wrong "symbols.sh accepts exit ($static $shared)"
+
+# program NAME BODY EXPECTED: tests/run.sh on a program of three tests, the last with BODY, counts EXPECTED.
+program()
+{
+    tests=$((tests + 1))
+    printf '%b\n' '#include <stdarg.h>\n#include <stddef.h>\n#include <stdint.h>\n#include <setjmp.h>\n#include <cmocka.h>' \
+        '#include <signal.h>\n#include <stdlib.h>\n#include <stdio.h>\n' \
+        'static void a(void **s) { (void)s; printf("no end of line"); }\nstatic void b(void **s) { (void)s; skip(); }' \
+        "static void c(void **s) { (void)s; $2 }" \
+        'int main(void) { const struct CMUnitTest t[] = {cmocka_unit_test(a), cmocka_unit_test(b), cmocka_unit_test(c)};' \
+        'return cmocka_run_group_tests_name("x/y", t, NULL, NULL); }' >"$temporary/t_$1.c"
+    $cc -o "$temporary/t_$1" "$temporary/t_$1.c" -lcmocka
+    KN_TEST_TIMEOUT=1 "$tools/../tests/run.sh" "$temporary/run" 1 "$temporary/t_$1" >"$temporary/out" && status=0 || status=1
+    test "$(cat "$temporary/run/counts")" = "$3" || wrong "tests/run.sh counts $(cat "$temporary/run/counts") for $1"
+    test "$status" = "$(echo "$3" | awk '{ print ($2 > 0) }')" || wrong "tests/run.sh answers $status for $1"
+}
+program passes '' '2 0 1'
+program fails 'assert_int_equal(1, 2);' '1 1 1'
+program crashes '*(volatile int *)0 = 1;' '1 1 1'
+program aborts 'signal(6, SIG_DFL), abort();' '1 1 1'
+program leaves 'exit(0);' '1 1 1'
+program hangs 'for (;;) {}' '1 1 1'
+"$tools/../tests/run.sh" "$temporary/run" 1 >/dev/null && wrong "tests/run.sh is content with no tests"
+"$tools/../tests/run.sh" "$temporary/run" 1 "$temporary/gone" >/dev/null && wrong "tests/run.sh is content with a missing program"
+
 echo "selftest: $tests planted cases behave"
