@@ -154,20 +154,26 @@ static double left_over(const kn_bezier *direction, int degree, int var)
     return worst;
 }
 
+// From left_over to the error of interpolation. Splines of degree p on spans h err by about 4/pi (h/pi)^(p+1)
+// |f^(p+1)| (Favard's constant), the difference is (h/(p+1))^(p+1) f^(p+1); and n spans have n + p sites, not n.
+// Doubled: this only decides whether a line in this variable would help.
+static double spline_factor(int degree, int spans)
+{
+    double pi = 3.14159265358979323846;
+    return 8.0 / pi * pow((degree + 1) / pi * spans / (spans + degree), degree + 1);
+}
+
 // split[v]: for each interval of variable v, whether it is to be halved.
 static void choose(const refinement *r, const candidate *c, char *const split[2])
 {
+    double half = 0.5 * r->shell->normal_tol, weight[2];
+    for (int v = 0; v < 2; v++) weight[v] = spline_factor(r->max_degree, r->axes[v].ncuts - 1);
     size_t nv = (size_t)r->axes[1].ncuts - 1;
     for (size_t i = 0; i < c->npieces; i++) {
         if (!c->failed[i]) continue;
-        double length, angle, u = left_over(&r->box[i], r->max_degree, 0),
-                              v = left_over(&r->box[i], r->max_degree, 1);
-        kn_sample_errors(&length, &angle, &c->pieces[i], &r->box[i]);
-        double error = fmax(fmax(length, angle), 2.0 * r->shell->normal_tol);
-        double share_u = u > 0.0 || v > 0.0 ? error * (u / (u + v)) : error; // not finite: both
-        double share_v = error - share_u, half = 0.5 * r->shell->normal_tol;
-        if (!(share_u <= half) || u >= v) split[0][i / nv] = 1;
-        if (!(share_v <= half) || v > u) split[1][i % nv] = 1;
+        double u = left_over(&r->box[i], r->max_degree, 0), v = left_over(&r->box[i], r->max_degree, 1);
+        if (!(u * weight[0] <= half) || u * weight[0] >= v * weight[1]) split[0][i / nv] = 1;
+        if (!(v * weight[1] <= half) || v * weight[1] > u * weight[0]) split[1][i % nv] = 1;
     }
 }
 

@@ -1,0 +1,209 @@
+// SPDX-License-Identifier: Apache-2.0
+// T over a box of (u,v) as one polynomial or rational piece.
+#include "kernel/context.h"
+#include "trivar/internal.h"
+
+#include <math.h>
+
+// A box in S's parameters, and where it lies.
+typedef struct box {
+    double lo[2], hi[2], slack[2]; // slack: what counts as rounding along each variable
+    int span[2];                   // of S
+    int cut[2];                    // of n
+    int cell[2];                   // when whole
+    bool whole;                    // exactly one cell
+    bool plain;                    // inside the domain, without a knot of n in its interior
+    bool inside;                   // inside the domain
+    bool crosses[2];               // a knot of S in its interior
+} box;
+
+void kn_shell_piece_clear(kn_ctx *ctx, kn_shell_piece *piece)
+{
+    for (int k = 0; k < KN_SHELL_TERMS; k++) kn_bezier_clear(ctx, &piece->term[k]);
+    *piece = (kn_shell_piece){0};
+}
+
+static double between(double a, double b, double t)
+{
+    return t == 1.0 ? b : a + t * (b - a);
+}
+
+// Some interior break strictly between lo and hi, but for slack.
+static bool has_inside(const double *breaks, int n, double lo, double hi, double slack)
+{
+    int k = kn_interval(breaks, n, lo + slack) + 1; // the first break above lo + slack that has one below it
+    return k < n - 1 && breaks[k] < hi - slack;
+}
+
+static double snap(const double *breaks, int n, double x, double slack)
+{
+    int k = kn_interval(breaks, n, x);
+    for (int i = k; i <= k + 1; i++)
+        if (fabs(x - breaks[i]) <= slack) return breaks[i];
+    return x;
+}
+
+static void place(box *b, const kn_shell *s, int v, int cell, double lo, double hi)
+{
+    int cells = s->nlines[v] - 1;
+    if (s->closed[v]) {
+        cell = (cell % cells + cells) % cells;
+    } else {
+        int near = cell < 0 ? 0 : cell >= cells ? cells - 1 : cell;
+        lo += cell - near, hi += cell - near;
+        cell = near;
+    }
+    const double *line = s->line[v];
+    double first = line[0], last = line[cells];
+    double a = between(line[cell], line[cell + 1], lo), c = between(line[cell], line[cell + 1], hi);
+    b->whole = b->whole && lo == 0.0 && hi == 1.0;
+    b->cell[v] = cell;
+    if (s->closed[v] && a >= last) a -= last - first, c -= last - first;
+    if (s->closed[v] && c <= first) a += last - first, c += last - first;
+    b->slack[v] = fmin(0x1p-46 * (fabs(first) + fabs(last)), 1e-6 * (c - a));
+    b->lo[v] = a = snap(s->cut[v], s->ncuts[v], a, b->slack[v]);
+    b->hi[v] = c = snap(s->cut[v], s->ncuts[v], c, b->slack[v]);
+    double middle = a + 0.5 * (c - a);
+    b->span[v] = kn_interval(s->knot[v], s->nknots[v], middle);
+    b->cut[v] = kn_interval(s->cut[v], s->ncuts[v], middle);
+    b->crosses[v] = has_inside(s->knot[v], s->nknots[v], a, c, b->slack[v]);
+    bool inside = a >= first && c <= last;
+    b->inside = b->inside && inside;
+    b->plain = b->plain && inside && !has_inside(s->cut[v], s->ncuts[v], a, c, b->slack[v]);
+}
+
+// The box in the coordinates of an interval.
+static void to_local(double lo[2], double hi[2], const box *b, double *const breaks[2], const int at[2])
+{
+    for (int v = 0; v < 2; v++) {
+        double a = breaks[v][at[v]], width = breaks[v][at[v] + 1] - a;
+        lo[v] = (b->lo[v] - a) / width;
+        hi[v] = b->hi[v] == breaks[v][at[v] + 1] ? 1.0 : (b->hi[v] - a) / width;
+    }
+}
+
+static kn_status restricted(kn_ctx *ctx, kn_bezier *out, const kn_bezier *a, const double lo[2], const double hi[2])
+{
+    if (lo[0] == 0.0 && lo[1] == 0.0 && hi[0] == 1.0 && hi[1] == 1.0) return kn_bezier_copy(ctx, out, a);
+    return kn_bezier_restrict(ctx, out, a, lo, hi);
+}
+
+// ---- the field over the box ----
+
+// The shell's own spline, or its end piece extended when that is still within the tolerance.
+static kn_status own_normal(kn_ctx *ctx, kn_bezier *n, kn_shell_piece *p, bool *fits, const kn_shell *s, const box *b,
+                            const kn_bezier *direction, double direction_error)
+{
+    double lo[2], hi[2];
+    size_t at = (size_t)b->cut[0] * (size_t)(s->ncuts[1] - 1) + (size_t)b->cut[1];
+    to_local(lo, hi, b, s->cut, b->cut);
+    *fits = true;
+    kn_status status = restricted(ctx, n, &s->normal_piece[at], lo, hi);
+    p->exact = true;
+    p->deviation = 0.0;
+    p->normal = s->certificates[at];
+    if (status != KN_OK || b->inside) return status;
+    kn_certify_options o = {.limit = s->normal_tol, .target = {s->normal_tol, s->normal_tol}};
+    o.direction_error = direction_error;
+    o.normal_error = kn_gamma(32.0 * (n->degree[0] + n->degree[1] + 2)) *
+                     kn_largest_vector(&s->normal_piece[at], 0, 3);
+    status = kn_certify(ctx, &p->normal, n, direction, &o);
+    *fits = p->normal.certified;
+    return status;
+}
+
+static kn_status other_normal(kn_ctx *ctx, kn_bezier *n, kn_shell_piece *p, bool *fits, const kn_shell *s,
+                              const kn_bezier *direction, double direction_error, int degree_sum)
+{
+    kn_status status = kn_stand_in(ctx, n, &p->normal, fits, direction, direction_error, s->normal_tol, degree_sum);
+    if (status == KN_OK && *fits) {
+        p->exact = false;
+        p->deviation = p->normal.length_error + p->normal.angle_error + s->certificate.length_error +
+                       s->certificate.angle_error;
+    }
+    return status;
+}
+
+static kn_status find_normal(kn_ctx *ctx, kn_bezier *n, kn_shell_piece *p, bool *fits, const kn_shell *s,
+                             const box *b, int degree_sum)
+{
+    const kn_direction *d = &s->direction[b->span[0] * (s->nknots[1] - 1) + b->span[1]];
+    double lo[2], hi[2], growth = 1.0, error = d->error;
+    kn_bezier direction = {0};
+    kn_status status = KN_OK;
+    *fits = false;
+    if (!b->plain) {
+        to_local(lo, hi, b, s->knot, b->span);
+        status = kn_bezier_restrict(ctx, &direction, &d->n, lo, hi);
+        // Beyond the span the polynomial grows by up to (1 + 2 reach)^degree, and so do errors.
+        for (int v = 0; v < 2 && status == KN_OK; v++) {
+            double reach = fmax(0.0, fmax(-lo[v], hi[v] - 1.0));
+            growth *= pow(1.0 + 2.0 * reach, d->n.degree[v]);
+        }
+    }
+    if (status == KN_OK && !b->plain)
+        error = growth *
+                (error + kn_gamma(8.0 * (d->n.degree[0] + d->n.degree[1] + 4)) * kn_largest_vector(&d->n, 0, 3));
+    bool knots = false;
+    for (int v = 0; v < 2; v++) knots = knots || has_inside(s->cut[v], s->ncuts[v], b->lo[v], b->hi[v], b->slack[v]);
+    if (status == KN_OK && !knots) status = own_normal(ctx, n, p, fits, s, b, &direction, error);
+    if (status == KN_OK && !*fits) status = other_normal(ctx, n, p, fits, s, &direction, error, degree_sum);
+    kn_bezier_clear(ctx, &direction);
+    return status;
+}
+
+// ---- T ----
+
+// term[1] = (W n, 0): then T = (P + w W n) / W in homogeneous coordinates.
+static kn_status with_weight(kn_ctx *ctx, kn_bezier *out, const kn_bezier *n, const kn_bezier *s)
+{
+    kn_bezier w = {0}, wn = {0}, term = {0};
+    kn_status status = kn_bezier_components(ctx, &w, s, 3, 1);
+    if (status == KN_OK) status = kn_bezier_product(ctx, &wn, &w, n);
+    if (status == KN_OK) status = kn_bezier_init(ctx, &term, 2, 4, true, wn.degree);
+    for (size_t i = 0; status == KN_OK && i < 3 * kn_bezier_count(&wn); i++) term.coef[i] = wn.coef[i];
+    if (status == KN_OK) kn_bezier_swap(out, &term);
+    kn_bezier_clear(ctx, &w);
+    kn_bezier_clear(ctx, &wn);
+    kn_bezier_clear(ctx, &term);
+    return status;
+}
+
+static kn_status find_surface(kn_ctx *ctx, kn_bezier *out, const kn_shell *s, const box *b)
+{
+    double lo[2], hi[2];
+    if (b->whole) return kn_bezier_copy(ctx, out, &s->cell[b->cell[0] * (s->nlines[1] - 1) + b->cell[1]]);
+    to_local(lo, hi, b, s->knot, b->span);
+    return restricted(ctx, out, &s->span[b->span[0] * (s->nknots[1] - 1) + b->span[1]], lo, hi);
+}
+
+kn_status kn_shell_piece_init(kn_ctx *ctx, kn_shell_piece *out, bool *fits, const kn_shell *shell, const int cell[2],
+                              const double lo[2], const double hi[2], int degree_sum)
+{
+    kn_shell_piece p = {.nterms = KN_SHELL_TERMS};
+    kn_bezier n = {0};
+    box b = {.whole = true, .plain = true, .inside = true};
+    for (int v = 0; v < 2; v++) {
+        if (!(lo[v] < hi[v]) || !isfinite(hi[v] - lo[v]))
+            return kn_fail(ctx, KN_EDOMAIN, "shell piece: box [%g, %g] in variable %d", lo[v], hi[v], v);
+        place(&b, shell, v, cell[v], lo[v], hi[v]);
+        if (b.crosses[v])
+            return kn_fail(ctx, KN_EDOMAIN, "shell piece: [%g, %g] of cell %d has a knot of the surface inside",
+                           lo[v], hi[v], cell[v]);
+    }
+    bool found = false;
+    kn_status status = find_normal(ctx, &n, &p, &found, shell, &b, degree_sum);
+    if (status == KN_OK && found) status = find_surface(ctx, &p.term[0], shell, &b);
+    if (status == KN_OK && found && shell->surface.rational)
+        status = with_weight(ctx, &p.term[1], &n, &p.term[0]);
+    else if (status == KN_OK && found)
+        kn_bezier_swap(&p.term[1], &n);
+    if (status == KN_OK) *fits = found;
+    if (status == KN_OK && found) {
+        *out = p;
+        p = (kn_shell_piece){0};
+    }
+    kn_bezier_clear(ctx, &n);
+    kn_shell_piece_clear(ctx, &p);
+    return status;
+}
