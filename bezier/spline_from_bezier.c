@@ -13,6 +13,8 @@ static kn_status check_breaks(kn_ctx *ctx, const kn_bezier *shape, const int *nb
     for (int d = 0; d < shape->nvars; d++) {
         if (nbreaks[d] < 2)
             return kn_fail(ctx, KN_EDOMAIN, "spline_from_bezier: %d breaks, variable %d", nbreaks[d], d);
+        if ((size_t)nbreaks[d] > KN_MAX_COEFS)
+            return kn_fail(ctx, KN_ELIMIT, "spline_from_bezier: %d breaks, variable %d", nbreaks[d], d);
         if (continuity[d] < -1 || continuity[d] >= shape->degree[d])
             return kn_fail(ctx, KN_EDOMAIN, "spline_from_bezier: continuity %d, degree %d in variable %d",
                            continuity[d], shape->degree[d], d);

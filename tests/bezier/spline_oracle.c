@@ -6,6 +6,8 @@
 #include <math.h>
 #include <stdbool.h>
 
+#include "tests/support/support.h"
+
 // The piece on span s in one variable: c holds its degree + 1 control values and is destroyed. absolute: every
 // difference is replaced by the sum of absolute values.
 static long double de_boor(long double *c, const double *knots, int p, int s, long double t, int order, bool absolute)
@@ -78,4 +80,28 @@ int oracle_eval_operations(const kn_spline *s)
     int n = 0;
     for (int d = 0; d < s->nvars; d++) n += 6 * s->degree[d] + 1;
     return n;
+}
+
+void oracle_assert_same(const kn_spline *s, const kn_spline *t, uint64_t salt, int points, double beyond,
+                        int operations)
+{
+    test_rng rng = {salt};
+    assert_int_equal(s->nvars, t->nvars);
+    assert_int_equal(s->ncomp, t->ncomp);
+    assert_true(s->rational == t->rational);
+    for (int i = 0; i < points; i++) {
+        long double u[KN_MAX_COMPS], v[KN_MAX_COMPS], su[KN_MAX_COMPS], sv[KN_MAX_COMPS];
+        double at[KN_MAX_VARS];
+        for (int d = 0; d < s->nvars; d++) {
+            double lo, hi;
+            kn_spline_domain(s, d, &lo, &hi);
+            at[d] = test_uniform(&rng, lo - beyond, hi + beyond);
+        }
+        oracle_homogeneous(u, su, s, at, NULL, NULL);
+        oracle_homogeneous(v, sv, t, at, NULL, NULL);
+        for (int c = 0; c < s->ncomp; c++)
+            if (!(fabsl(u[c] - v[c]) <= oracle_gamma(operations) * (su[c] + sv[c])))
+                fail_msg("component %d differs by %Lg, bound %Lg", c, fabsl(u[c] - v[c]),
+                         oracle_gamma(operations) * (su[c] + sv[c]));
+    }
 }

@@ -19,5 +19,10 @@ double oracle_gamma(int operations);
 // Roundings that one term of kn_spline_eval's sum sees: 5 per level of the basis, a product and p additions for each
 // variable.
 int oracle_eval_operations(const kn_spline *s);
+// Asserts that two splines over the same variables have the same homogeneous components at `points` random points of
+// s's domain and `beyond` (in parameter units) outside it; salt seeds them, within factor gamma(operations) times the absolute
+// sums of both. t: the same function on other knots.
+void oracle_assert_same(const kn_spline *s, const kn_spline *t, uint64_t salt, int points, double beyond,
+                        int operations);
 
 #endif
