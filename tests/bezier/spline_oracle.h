@@ -20,8 +20,8 @@ double oracle_gamma(int operations);
 // variable.
 int oracle_eval_operations(const kn_spline *s);
 // Asserts that two splines over the same variables have the same homogeneous components at `points` random points of
-// s's domain and `beyond` (in parameter units) outside it; salt seeds them, within factor gamma(operations) times the absolute
-// sums of both. t: the same function on other knots.
+// s's domain and `beyond` (in parameter units) outside it; salt seeds them, within factor gamma(operations) times the
+// absolute sums of both. t: the same function on other knots.
 void oracle_assert_same(const kn_spline *s, const kn_spline *t, uint64_t salt, int points, double beyond,
                         int operations);
 

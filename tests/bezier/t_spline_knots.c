@@ -229,8 +229,8 @@ static void shared_edges(void **state)
 
 // to_bezier, then from_bezier at the lowest continuity of each variable: the same function. A coefficient's arguments
 // lie within one span of the piece that serves best, and integer spans have lengths 1 .. 3 here, so that each of the
-// p levels multiplies by at most |x| + |1-x| <= 1 + 2 * 3 = 7 where all p arguments lie outside; the best piece has at
-// least half of them inside: amplification at most 7^(p/2) < 4^p.
+// p levels multiplies by at most |x| + |1-x| <= 1 + 2 * 3 = 7 where all p arguments lie outside; the best piece has
+// at least half of them inside: amplification at most 7^(p/2) < 4^p.
 static void there_and_back(void **state)
 {
     (void)state;
