@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The lines and degrees of the fitted normal: fit at the highest degree, certify every span, halve those that fail
-// in the variable that is to blame, and at last take the lowest degrees that meet the tolerance on these lines.
+// The lines and degrees of the fitted normal: fit at the highest degree, halve the spans that fail in the variable
+// that is to blame, and take the lowest degrees that meet the tolerance on these lines.
 #include "kernel/context.h"
 #include "trivar/internal.h"
 
@@ -100,24 +100,29 @@ static kn_status fit(kn_ctx *ctx, candidate *c, refinement *r, const int degree[
     return c->certificates && c->failed ? KN_OK : KN_ENOMEM;
 }
 
-// Samples first, which is cheap and finds most failures; then bounds, subdivided until they come within twice the
-// worst sample of all.
-static kn_status examine(kn_ctx *ctx, candidate *c, const refinement *r, bool all)
+// Samples are cheap and find most failures. c->worst receives the largest. all: go on after the first failure.
+static void sample(candidate *c, const refinement *r, bool all)
 {
-    double tol = r->shell->normal_tol, worst[2] = {0}, length, angle;
-    for (size_t i = 0; i < c->npieces; i++) {
+    double tol = r->shell->normal_tol, length, angle;
+    for (size_t i = 0; i < c->npieces && (all || c->nfailed == 0); i++) {
         kn_sample_errors(&length, &angle, &c->pieces[i], &r->box[i]);
         c->failed[i] = !(length <= tol && angle <= tol);
         c->nfailed += (size_t)c->failed[i];
-        worst[0] = fmax(worst[0], length);
-        worst[1] = fmax(worst[1], angle);
-        if (c->nfailed > 0 && !all) return KN_OK;
+        c->worst.length_error = fmax(c->worst.length_error, length);
+        c->worst.angle_error = fmax(c->worst.angle_error, angle);
     }
-    if (c->nfailed > 0) return KN_OK;
-    double error = kn_gamma(16.0 * (c->n.degree[0] + c->n.degree[1] + 2)) * 2.0;
-    kn_certify_options o = {.limit = tol, .target = {1.6 * worst[0], 1.6 * worst[1]}, .normal_error = error};
-    c->worst.certified = true;
-    for (size_t i = 0; i < c->npieces; i++) {
+}
+
+// The certificates, after sample() found no failure: subdivided until they come near the worst sample of all.
+static kn_status certify(kn_ctx *ctx, candidate *c, const refinement *r, bool all)
+{
+    const double near = 1.6;
+    kn_certify_options o = {.limit = r->shell->normal_tol};
+    o.target[0] = near * c->worst.length_error;
+    o.target[1] = near * c->worst.angle_error;
+    o.normal_error = 2.0 * kn_gamma(16.0 * (c->n.degree[0] + c->n.degree[1] + 2));
+    c->worst = (kn_normal_certificate){.certified = true};
+    for (size_t i = 0; i < c->npieces && (all || c->nfailed == 0); i++) {
         o.direction_error = r->box_error[i];
         kn_normal_certificate *here = &c->certificates[i];
         kn_status status = kn_certify(ctx, here, &c->pieces[i], &r->box[i], &o);
@@ -126,7 +131,6 @@ static kn_status examine(kn_ctx *ctx, candidate *c, const refinement *r, bool al
         c->nfailed += (size_t)c->failed[i];
         c->worst.length_error = fmax(c->worst.length_error, here->length_error);
         c->worst.angle_error = fmax(c->worst.angle_error, here->angle_error);
-        if (c->nfailed > 0 && !all) return KN_OK;
     }
     return KN_OK;
 }
@@ -166,14 +170,16 @@ static double spline_factor(int degree, int spans)
 // split[v]: for each interval of variable v, whether it is to be halved.
 static void choose(const refinement *r, const candidate *c, char *const split[2])
 {
+    const double little = 0.1; // of the other variable's share: whether that much is true shows in the next round
     double half = 0.5 * r->shell->normal_tol, weight[2];
     for (int v = 0; v < 2; v++) weight[v] = spline_factor(r->max_degree, r->axes[v].ncuts - 1);
     size_t nv = (size_t)r->axes[1].ncuts - 1;
     for (size_t i = 0; i < c->npieces; i++) {
         if (!c->failed[i]) continue;
         double u = left_over(&r->box[i], r->max_degree, 0), v = left_over(&r->box[i], r->max_degree, 1);
-        if (!(u * weight[0] <= half) || u * weight[0] >= v * weight[1]) split[0][i / nv] = 1;
-        if (!(v * weight[1] <= half) || v * weight[1] > u * weight[0]) split[1][i % nv] = 1;
+        double eu = u * weight[0], ev = v * weight[1];
+        if (!(eu <= half || eu <= little * ev) || eu >= ev) split[0][i / nv] = 1;
+        if (!(ev <= half || ev <= little * eu) || ev > eu) split[1][i % nv] = 1;
     }
 }
 
@@ -217,48 +223,60 @@ static kn_status more_lines(kn_ctx *ctx, refinement *r, const candidate *c)
 
 // ---- the whole ----
 
-static kn_status refine_lines(kn_ctx *ctx, candidate *best, refinement *r)
+static kn_status try_degrees(kn_ctx *ctx, candidate *best, bool *found, refinement *r, const int degree[2])
 {
-    const int degree[2] = {r->max_degree, r->max_degree};
-    kn_status status = make_boxes(ctx, r);
-    while (status == KN_OK) {
-        candidate c = {0};
-        status = fit(ctx, &c, r, degree);
-        if (status == KN_OK) status = examine(ctx, &c, r, true);
-        if (status == KN_OK && c.nfailed == 0) {
-            *best = c;
-            return KN_OK;
-        }
-        if (status == KN_OK) status = more_lines(ctx, r, &c);
-        candidate_clear(ctx, &c);
+    candidate c = {0};
+    kn_status status = fit(ctx, &c, r, degree);
+    if (status == KN_OK) sample(&c, r, false);
+    if (status == KN_OK && c.nfailed == 0) status = certify(ctx, &c, r, false);
+    *found = status == KN_OK && c.nfailed == 0;
+    if (*found) {
+        *best = c;
+        c = (candidate){0};
     }
+    candidate_clear(ctx, &c);
     return status;
 }
 
-// The first pair of degrees, by their sum and then the most even, that meets the tolerance on the same lines.
-static kn_status lower_degrees(kn_ctx *ctx, candidate *best, refinement *r)
+// The first pair of degrees below the highest, by their sum and then the most even, that meets the tolerance.
+static kn_status lower_degrees(kn_ctx *ctx, candidate *best, bool *found, refinement *r)
 {
     int top = r->max_degree;
+    kn_status status = KN_OK;
+    *found = false;
     for (int sum = 2 * LOWEST_DEGREE; sum < 2 * top; sum++)
-        for (int k = 0; k <= 2 * (top - LOWEST_DEGREE); k++) {
-            int odd = sum % 2, difference = k / 2 * 2 + odd, sign = k % 2 ? -1 : 1;
-            int degree[2] = {(sum + sign * difference) / 2, (sum - sign * difference) / 2};
-            if (degree[0] < LOWEST_DEGREE || degree[1] < LOWEST_DEGREE || degree[0] > top || degree[1] > top)
-                continue;
-            if (difference == 0 && sign < 0) continue;
-            candidate c = {0};
-            kn_status status = fit(ctx, &c, r, degree);
-            if (status == KN_OK) status = examine(ctx, &c, r, false);
-            bool good = status == KN_OK && c.nfailed == 0;
-            if (good) {
-                candidate old = *best;
-                *best = c;
-                c = old;
+        for (int difference = sum % 2; difference <= top - LOWEST_DEGREE; difference += 2)
+            for (int k = 0; k < (difference > 0 ? 2 : 1); k++) {
+                int low = (sum - difference) / 2, high = (sum + difference) / 2;
+                if (low < LOWEST_DEGREE || high > top || *found || status != KN_OK) continue;
+                const int degree[2] = {k == 0 ? high : low, k == 0 ? low : high};
+                status = try_degrees(ctx, best, found, r, degree);
             }
-            candidate_clear(ctx, &c);
-            if (status != KN_OK || good) return status;
+    return status;
+}
+
+static kn_status refine(kn_ctx *ctx, candidate *best, refinement *r)
+{
+    const int degree[2] = {r->max_degree, r->max_degree};
+    kn_status status = make_boxes(ctx, r);
+    bool found = false;
+    while (status == KN_OK && !found) {
+        candidate c = {0};
+        status = fit(ctx, &c, r, degree);
+        if (status == KN_OK) sample(&c, r, true);
+        if (status == KN_OK && c.nfailed == 0) status = lower_degrees(ctx, best, &found, r);
+        if (status == KN_OK && c.nfailed == 0 && !found) {
+            status = certify(ctx, &c, r, true);
+            found = status == KN_OK && c.nfailed == 0;
+            if (found) {
+                *best = c;
+                c = (candidate){0};
+            }
         }
-    return KN_OK;
+        if (status == KN_OK && !found) status = more_lines(ctx, r, &c);
+        candidate_clear(ctx, &c);
+    }
+    return status;
 }
 
 static void adopt(refinement *r, candidate *c)
@@ -280,8 +298,7 @@ kn_status kn_refine_normal(kn_ctx *ctx, kn_shell *shell, int max_degree, int max
     candidate best = {0};
     kn_status status = kn_grid_init(ctx, &r.axes[0], shell, 0);
     if (status == KN_OK) status = kn_grid_init(ctx, &r.axes[1], shell, 1);
-    if (status == KN_OK) status = refine_lines(ctx, &best, &r);
-    if (status == KN_OK) status = lower_degrees(ctx, &best, &r);
+    if (status == KN_OK) status = refine(ctx, &best, &r);
     if (status == KN_OK) adopt(&r, &best);
     candidate_clear(ctx, &best);
     clear_boxes(ctx, &r);
