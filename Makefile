@@ -97,7 +97,8 @@ WITH := $(foreach b,$(BRIDGES),-DKN_WITH_$(shell echo $(b) | tr a-z A-Z)=1)
 SHARED := $(if $(filter release debug,$(config)),$(B)/libknurl.so.$(VERSION))
 KNURL := $(if $(CLI_SRC),$(B)/knurl)
 TESTS := $(if $(filter cmocka,$(FOUND)),$(patsubst %.c,$(B)/%,$(filter-out $(if $(KNURL),,tests/cli/%),$(TEST_SRC))))
-BENCHES := $(patsubst %.c,$(B)/%,$(BENCH_SRC))
+BENCH_MAIN := $(if $(BENCH_SRC),$(shell grep -l '^int main' $(BENCH_SRC))) # the others are shared by all of them
+BENCHES := $(patsubst %.c,$(B)/%,$(BENCH_MAIN))
 FUZZERS := $(patsubst %.c,$(B)/%,$(FUZZ_SRC))
 ALL_SRC := $(LIB_SRC) $(BRIDGE_SRC) $(CLI_SRC) $(TEST_SRC) $(SUPPORT_SRC) $(HELPER_SRC) $(BENCH_SRC) $(wildcard tests/fuzz/*.c)
 
@@ -205,7 +206,7 @@ endif
 
 # ---- benchmarks ----
 $(B)/obj/bench/%.o: CPP += $(if $(filter sisl,$(FOUND)),-DKN_WITH_SISL=1)
-$(B)/bench/%: $(B)/obj/bench/%.c.o $(LIB)
+$(B)/bench/%: $(B)/obj/bench/%.c.o $(call objects,$(filter-out $(BENCH_MAIN),$(BENCH_SRC))) $(LIB)
 	@mkdir -p $(@D)
 	$(call say,LINK,$@)
 	$(Q)$(CC) $(ALL_LDFLAGS) -o $@ $^ $(if $(filter sisl,$(FOUND)),-lsisl -lstdc++) $(LIBS)

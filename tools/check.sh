@@ -73,6 +73,7 @@ for target in tests/fuzz/fuzz_*.c; do
     name=$(basename "$target" .c)
     step "$name" tools/fuzz_once.sh "$out/sanitize/tests/fuzz/$name" "$logs/$name" "${FUZZ_RUNS:-4000}"
 done
+step same-bytes tools/same_bytes.sh "$out/same-bytes" "$out/release/knurl" "$out/clang/release/knurl" "$out/sanitize/knurl"
 step tidy "$make" O="$out" -k tidy
 step cppcheck "$make" O="$out" cppcheck
 

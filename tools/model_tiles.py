@@ -105,7 +105,7 @@ def chain():
 
 SCALE_ASPECT = 0.3125
 SCALE = dict(shoulder=0.53125, tip=0.953125, point=0.35, nose=0.03125, thick=0.06,
-             mid=0.16, rise=0.16, curl=0.055, dome=0.04, ridge=0.06)
+             mid=0.16, rise=0.15625, curl=0.0625, dome=0.04, ridge=0.06)
 
 
 def scale_half(s):
@@ -115,7 +115,7 @@ def scale_half(s):
         a, b, c = values
         return (a, a + b / 2, a + b + c)
     drop = s["tip"] - s["shoulder"]
-    rim = column((s["tip"], -drop * s["point"], -drop * (1 - s["point"])))
+    rim = [q(y) for y in column((s["tip"], -drop * s["point"], -drop * (1 - s["point"])))]
     z_mid = column((s["mid"], -s["ridge"], -s["dome"]))
     lower, upper, nose, under = [], [], [], []
     for i in range(3):
