@@ -11,12 +11,16 @@ typedef kn_status (*kn_task)(kn_ctx *worker, void *user, size_t index);
 
 // Runs task for index 0 .. n-1 on kn_ctx_threads(ctx) threads, the calling one among them, handing out indices in
 // order. The error reported is the one of the lowest failing index; after a failure no new index starts. The calling
-// thread reports progress under `stage` (NULL: none).
+// thread reports progress under `stage` (NULL: none), after each index of its own. Cancelling stops likewise and
+// answers KN_ECANCELLED. KN_ENOMEM when there is no memory for the threads' contexts; a thread that the system
+// refuses is done without.
 kn_status kn_parallel(kn_ctx *ctx, size_t n, kn_task task, void *user, const char *stage);
 
 // The same as a pipeline with bounded memory: work(index) on any thread fills *product, commit(index) runs on the
-// calling thread in index order. At most `ahead` products exist at a time. drop(product) for products that are never
-// committed.
+// calling thread in index order. At most `ahead` products exist at a time (0 means 1). A work that fails leaves no
+// product. commit owns its product, also when it fails. All indices below the lowest failing one are committed before
+// its error is reported; drop(product) (NULL: nothing to do) is for products that are never committed. Progress is
+// reported after each commit.
 typedef struct kn_pipeline {
     void *user;
     kn_status (*work)(kn_ctx *worker, void *user, size_t index, void **product);

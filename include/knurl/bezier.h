@@ -20,12 +20,26 @@ typedef struct kn_bezier {
     double *coef;
 } kn_bezier;
 
+// Common to all below:
+// in:     operands have coefficients (else KN_EDOMAIN) and nvars <= KN_MAX_VARS, ncomp <= KN_MAX_COMPS. NaN and
+//         infinite coefficients pass through as IEEE arithmetic has them; nothing checks for them.
+// out:    a piece named out is initialised (empty will do), is overwritten, and may be an operand. On failure it is
+//         unchanged, and so are arrays of numbers, unless a comment says otherwise.
+// fails:  KN_ENOMEM; KN_EDOMAIN and KN_ELIMIT as said; always with a message in the context.
+// error:  gamma(n) = n u / (1 - n u), u = 2^-53; docs/numerics.md derives each bound. |a| is the piece whose
+//         coefficients are the absolute values of a's; B_i are the Bernstein polynomials at the point, non-negative
+//         in [0,1] (outside, read |t| for t and |1 - t| for 1 - t).
+
 // ---- life ----
-// *out = a piece with these shapes and all coefficients zero. out is overwritten, not cleared.
+// *out = a piece with these shapes and all coefficients zero. out is overwritten, not cleared: for a fresh variable.
+// in:     nvars degrees. nvars 0 is a constant. rational: ncomp >= 2, the weight included.
+// fails:  KN_EDOMAIN nvars or a degree < 0, ncomp < 1; KN_ELIMIT KN_MAX_VARS, _COMPS, _DEGREE or _COEFS passed.
 KN_API KN_CHECKED kn_status kn_bezier_init(kn_ctx *ctx, kn_bezier *out, int nvars, int ncomp, bool rational,
                                            const int *degree);
+// Frees the coefficients and leaves an empty piece. NULL and an empty piece are fine.
 KN_API void kn_bezier_clear(kn_ctx *ctx, kn_bezier *b);
 KN_API void kn_bezier_swap(kn_bezier *a, kn_bezier *b);
+// out = a, bit for bit; an empty a makes out empty.
 KN_API KN_CHECKED kn_status kn_bezier_copy(kn_ctx *ctx, kn_bezier *out, const kn_bezier *a);
 // Coefficients of one component: prod_d (degree[d] + 1).
 KN_API size_t kn_bezier_count(const kn_bezier *b);
@@ -33,44 +47,99 @@ KN_API size_t kn_bezier_count(const kn_bezier *b);
 KN_API int kn_bezier_dim(const kn_bezier *b);
 
 // ---- values ----
+// out = b(at), of a rational piece after division by the weight.
+// in:     nvars parameters, any real numbers.
+// out:    kn_bezier_dim(b) numbers.
+// fails:  KN_EUNDEFINED the weight is zero there.
+// error:  with E = sum_d (4 degree[d] + 1): gamma(E) sum |p_i| B_i for each component; rational with positive
+//         weights and at in [0,1]^nvars: gamma(2 E + 1) (sum |p_i| B_i) / (sum w_i B_i). Corners of a polynomial
+//         piece give their coefficient exactly.
+// cost:   ncomp * count multiply-adds and sum_d degree[d]^2 for the Bernstein polynomials.
 KN_API KN_CHECKED kn_status kn_bezier_eval(kn_ctx *ctx, double *out, const kn_bezier *b, const double *at);
 // npoints values: out[i*dim + c] at the point at[i*nvars .. i*nvars + nvars-1].
+// fails:  KN_EUNDEFINED the weight is zero at some point; what out then holds is not specified.
+// error:  that of kn_bezier_eval.
 KN_API KN_CHECKED kn_status kn_bezier_eval_batch(kn_ctx *ctx, double *out, const kn_bezier *b, size_t npoints,
                                                  const double *at);
-// All partial derivatives of total order <= order. out holds kn_derivative_count(nvars, order) values of dim
-// components each, in the order of kn_derivative_index.
+// All partial derivatives of total order <= order.
+// out:    kn_derivative_count(nvars, order) values of dim components each, in the order of kn_derivative_index.
+// fails:  KN_EDOMAIN order < 0; KN_ELIMIT order > KN_MAX_DEGREE or too many; KN_EUNDEFINED the weight is zero.
+// error:  polynomial: gamma(E), E as for kn_bezier_eval, times the same sum with differences taken as sums of
+//         absolute values. rational: see docs/numerics.md.
+// cost:   about count(nvars, order) * ncomp * count multiply-adds at most.
+// source: Piegl & Tiller, The NURBS Book, section 4.3, here in any number of variables.
 KN_API KN_CHECKED kn_status kn_bezier_derivatives(kn_ctx *ctx, double *out, const kn_bezier *b, const double *at,
                                                   int order);
 // The number of multi-indices a over nvars variables with |a| <= order: C(nvars + order, order); 0 if it overflows
-// int.
+// int, and for negative arguments.
 KN_API int kn_derivative_count(int nvars, int order);
 // The place of the multi-index a: by total order, then lexicographically with the first variable slowest and
 // highest first: for two variables f, f_u, f_v, f_uu, f_uv, f_vv, ...
 KN_API int kn_derivative_index(int nvars, const int *a);
 
-// ---- algebra: out is initialised (possibly empty), overwritten, and may be an operand ----
+// ---- algebra ----
+// Operands have the same variables (else KN_EDOMAIN); one polynomial and one rational operand give a rational result,
+// as if the polynomial had the weight 1. KN_ELIMIT when a degree of the result passes KN_MAX_DEGREE, its components
+// KN_MAX_COMPS or its coefficients KN_MAX_COEFS.
+
+// out = a + b and out = a - b: values of equal dimension.
+// out:    polynomial, or with equal weights (the same degrees, bit for bit the same coefficients): the higher degree
+//         in each variable and that weight. Otherwise (a wb + b wa) / (wa wb): the degrees add up.
+// error:  polynomial or equal weights: gamma(1 + e)(|a| + |b|)_k, e the roundings of kn_bezier_elevate. Otherwise
+//         gamma(T + 3 nvars)(|a| * |wb| + |b| * |wa|)_k, T terms in the sum.
+// cost:   the elevation, or two products a component.
 KN_API KN_CHECKED kn_status kn_bezier_sum(kn_ctx *ctx, kn_bezier *out, const kn_bezier *a, const kn_bezier *b);
 KN_API KN_CHECKED kn_status kn_bezier_difference(kn_ctx *ctx, kn_bezier *out, const kn_bezier *a, const kn_bezier *b);
+// out = factor a: the weight stays. error: gamma(1)|c_k|.
 KN_API KN_CHECKED kn_status kn_bezier_scale(kn_ctx *ctx, kn_bezier *out, const kn_bezier *a, double factor);
+// out = a * b, component by component; an operand of dimension 1 multiplies every component. Weights multiply.
+// out:    out.degree[d] = a.degree[d] + b.degree[d].
+// fails:  KN_EDOMAIN dimensions differ and neither is 1.
+// error:  |c_k - exact| <= gamma(T + 3 nvars)(|a| * |b|)_k, T terms in the sum for c_k.
+// cost:   count(a) count(b) multiply-adds a component; scratch 8 (ncomp + 3) count bytes for each operand, and
+//         8 count(out).
+// source: Farouki & Rajan, Algorithms for polynomials in Bernstein form, CAGD 5 (1988).
 KN_API KN_CHECKED kn_status kn_bezier_product(kn_ctx *ctx, kn_bezier *out, const kn_bezier *a, const kn_bezier *b);
+// out = sum_c a_c b_c, of dimension 1. Dimensions are equal (else KN_EDOMAIN). Error and cost as the products in it;
+// T counts the terms of all components.
 KN_API KN_CHECKED kn_status kn_bezier_dot(kn_ctx *ctx, kn_bezier *out, const kn_bezier *a, const kn_bezier *b);
+// out = a x b. Both of dimension 3 (else KN_EDOMAIN). Error and cost as for kn_bezier_dot.
 KN_API KN_CHECKED kn_status kn_bezier_cross(kn_ctx *ctx, kn_bezier *out, const kn_bezier *a, const kn_bezier *b);
+// out = the partial derivative of a in variable var.
+// out:    polynomial: one degree less in var (0 stays 0). rational (N/w)' = (N' w - w' N) / w^2: degrees double;
+//         with degree 0 in var they stay, and the value is 0/w.
+// fails:  KN_EDOMAIN var; KN_ELIMIT doubled degrees.
+// error:  polynomial: gamma(2)|c_k|. rational: gamma(T + 3 nvars + 6)(|N'| * |w| + |w'| * |N|)_k.
 KN_API KN_CHECKED kn_status kn_bezier_derivative(kn_ctx *ctx, kn_bezier *out, const kn_bezier *a, int var);
-// Components first .. first+count-1 as a polynomial piece (of a rational piece: homogeneous components).
+// Components first .. first+count-1 as a polynomial piece (of a rational piece: homogeneous components), exactly.
+// fails:  KN_EDOMAIN they are not all among the ncomp components, or count < 1.
 KN_API KN_CHECKED kn_status kn_bezier_components(kn_ctx *ctx, kn_bezier *out, const kn_bezier *a, int first,
                                                  int count);
 
 // ---- shape of the representation: the function is unchanged, or restricted ----
+// out = a with degree[d] in variable d.
+// fails:  KN_EDOMAIN a degree below a's; KN_ELIMIT.
+// error:  gamma(sum over raised d of (T_d + 2)) |a|_k, T_d = min(a.degree[d], the rise) + 1 terms, |a| elevated too.
 KN_API KN_CHECKED kn_status kn_bezier_elevate(kn_ctx *ctx, kn_bezier *out, const kn_bezier *a, const int *degree);
-// left(t) = a on [0,at] and right(t) = a on [at,1] of variable var, each over [0,1] again. left, right: not a.
+// left(t) = a on [0,at] and right(t) = a on [at,1] of variable var, each over [0,1] again.
+// in:     at any finite number (else KN_EDOMAIN), also outside [0,1].
+// out:    left and right: initialised, two pieces; neither may be a. Their common edge is the same bit for bit.
+// error:  gamma(3 degree[var]) times the subdivision of |a|.
 KN_API KN_CHECKED kn_status kn_bezier_subdivide(kn_ctx *ctx, kn_bezier *left, kn_bezier *right, const kn_bezier *a,
                                                 int var, double at);
 // out(x) = a(lo + x (hi - lo)), component by component of x; lo and hi may lie outside [0,1], and lo > hi reverses.
+// in:     nvars finite numbers each (else KN_EDOMAIN). lo 0 and hi 1 leave a variable as it is, bit for bit.
+// out:    boxes that share a face give pieces whose coefficients on it agree bit for bit when the others do.
+// error:  gamma(sum_d (5 degree[d] + 2)) sum_j |M_kj| |p_j|, M the matrix of the restriction: rows that sum to 1,
+//         non-negative inside [0,1].
+// cost:   count * sum_d (degree[d] + 1) multiply-adds a component.
 KN_API KN_CHECKED kn_status kn_bezier_restrict(kn_ctx *ctx, kn_bezier *out, const kn_bezier *a, const double *lo,
                                                const double *hi);
 // Removes the factor x_var^k (at_end false) or (1 - x_var)^k (at_end true) that all of a's coefficients share, with
-// the largest such k, which *order receives: the exact division by which poles are handled. A zero piece:
-// KN_EUNDEFINED.
+// the largest such k, which *order receives: the exact division by which poles are handled. A zero coefficient is one
+// that compares equal to 0; of a rational piece the weight's count too.
+// fails:  KN_EDOMAIN var; KN_EUNDEFINED a is zero. *order is then unchanged.
+// error:  gamma(2)|c_k|: C(n,i+k) / C(n-k,i) times a coefficient of a.
 KN_API KN_CHECKED kn_status kn_bezier_divide_edge(kn_ctx *ctx, kn_bezier *out, int *order, const kn_bezier *a,
                                                   int var, bool at_end);
 
