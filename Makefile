@@ -188,7 +188,6 @@ test-built: # runs what there is, also when some of it did not build: a missing 
 
 # ---- fuzzing: with config=fuzz through libFuzzer, else a driver of our own replays and mutates the seeds ----
 FUZZ_SECONDS ?= 30
-FUZZ_RUNS ?= 4000
 $(B)/tests/fuzz/fuzz_%: $(B)/obj/tests/fuzz/fuzz_%.c.o $(if $(filter fuzz,$(config)),,$(B)/obj/tests/fuzz/driver.c.o) $(LIB)
 	@mkdir -p $(@D)
 	$(call say,LINK,$@)
