@@ -20,23 +20,22 @@ static kn_status differentiate(kn_ctx *ctx, kn_bezier *c, const kn_bezier *a, in
 // (N/w)' = (N' w - w' N) / w^2. w^2 has one degree more in the variable than the numerator, which is raised.
 static kn_status quotient_rule(kn_ctx *ctx, kn_bezier *c, const kn_bezier *a, int var)
 {
-    int dim = kn_bezier_dim(a), n = 0, degree[KN_MAX_VARS];
+    int dim = kn_bezier_dim(a), n = 0;
     kn_term terms[KN_MAX_TERMS], square = {0, dim, dim, 1.0};
     kn_bezier da = {0}, numerator = {.nvars = a->nvars, .ncomp = dim}, w2 = {.nvars = a->nvars, .ncomp = 1};
     for (int i = 0; i < dim; i++) {
         terms[n++] = (kn_term){i, i, dim, 1.0};
         terms[n++] = (kn_term){i, dim, i, -1.0};
     }
-    for (int d = 0; d < a->nvars; d++) degree[d] = 2 * a->degree[d];
     *c = (kn_bezier){.nvars = a->nvars, .ncomp = a->ncomp, .rational = true};
-    memcpy(c->degree, degree, (size_t)a->nvars * sizeof *degree);
+    for (int d = 0; d < a->nvars; d++) c->degree[d] = 2 * a->degree[d];
     kn_status status = kn_bezier_alloc(ctx, c, "derivative");
     if (status == KN_OK) status = differentiate(ctx, &da, a, var);
     if (status == KN_OK) status = kn_bezier_combine(ctx, "derivative", &numerator, &da, a, terms, n);
     if (status == KN_OK) status = kn_bezier_combine(ctx, "derivative", &w2, a, a, &square, 1);
     if (status == KN_OK) {
         kn_axis x = kn_bezier_axis(&numerator, var);
-        kn_bernstein_elevate(c->coef, numerator.coef, x.outer, numerator.degree[var], degree[var], x.inner);
+        kn_bernstein_elevate(c->coef, numerator.coef, x.outer, numerator.degree[var], c->degree[var], x.inner);
         memcpy(kn_bezier_comp(c, dim), w2.coef, kn_bezier_count(&w2) * sizeof *w2.coef);
     }
     kn_bezier_clear(ctx, &da);
