@@ -149,6 +149,9 @@ KN_API kn_job_report kn_job_describe(const kn_job *job);
 // The tile as placed (rotated), whose parts patches refer to; and the shell of one surface.
 KN_API const kn_tile *kn_job_tile(const kn_job *job);
 KN_API const kn_shell *kn_job_shell(const kn_job *job, int surface);
+// The cell lines of a surface in variable var, in its own parameters: kn_shell_cells + 1 numbers. NULL: no such
+// surface.
+KN_API const double *kn_job_lines(const kn_job *job, int surface, int var);
 // The tile patch D behind an output patch, restricted to its piece, in the coordinates of its cell: (u, v, w) with
 // the cell [0,1]^2 and w in length units; out is overwritten. Lets a caller check patch = T(D).
 KN_API KN_CHECKED kn_status kn_job_source(kn_ctx *ctx, kn_bezier *out, const kn_job *job, const kn_patch_id *id);

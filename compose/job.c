@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: Apache-2.0
+// The life of a job, and what it tells.
+#include "compose/job.h"
+
+kn_job_options kn_job_defaults(void)
+{
+    return (kn_job_options){0};
+}
+
+void kn_job_destroy(kn_ctx *ctx, kn_job *job)
+{
+    if (!job) return;
+    for (int k = 0; k < job->npatches; k++) kn_bezier_clear(ctx, &job->patches[k].d);
+    for (int s = 0; job->surfaces && s < job->nsurfaces; s++) {
+        kn_job_surface *surface = &job->surfaces[s];
+        kn_shell_destroy(ctx, surface->shell);
+        for (int d = 0; d < 2; d++) {
+            kn_free(ctx, surface->lines[d]);
+            kn_free(ctx, surface->knot[d]);
+        }
+    }
+    kn_tile_clear(ctx, &job->tile);
+    kn_free(ctx, job->patches);
+    kn_free(ctx, job->surfaces);
+    kn_free(ctx, job->keys);
+    kn_free(ctx, job->uses);
+    kn_free(ctx, job->leaves);
+    kn_free(ctx, job->cells);
+    kn_free(ctx, job);
+}
+
+kn_job_report kn_job_describe(const kn_job *job)
+{
+    return job->report;
+}
+
+const kn_tile *kn_job_tile(const kn_job *job)
+{
+    return &job->tile;
+}
+
+const kn_shell *kn_job_shell(const kn_job *job, int surface)
+{
+    return surface >= 0 && surface < job->nsurfaces ? job->surfaces[surface].shell : NULL;
+}
+
+const double *kn_job_lines(const kn_job *job, int surface, int var)
+{
+    if (surface < 0 || surface >= job->nsurfaces || var < 0 || var > 1) return NULL;
+    return job->surfaces[surface].lines[var];
+}
+
+// The leaf of the cell that id names; NULL: there is none.
+static const kn_job_key *find_leaf(const kn_job *job, const kn_patch_id *id)
+{
+    if (id->surface < 0 || id->surface >= job->nsurfaces) return NULL;
+    const kn_job_surface *s = &job->surfaces[id->surface];
+    for (int d = 0; d < 2; d++)
+        if (id->cell[d] < 0 || id->cell[d] >= s->cells[d]) return NULL;
+    const kn_job_cell *cell =
+        &job->cells[s->first_cell + (size_t)id->cell[0] * (size_t)s->cells[1] + (size_t)id->cell[1]];
+    int piece = 0;
+    for (uint32_t i = 0; i < cell->count; i++) {
+        const kn_job_key *key = &job->keys[job->leaves[cell->first + i]];
+        const kn_job_patch *p = &job->patches[key->patch];
+        if (p->part == id->part && p->patch == id->patch && piece++ == id->piece) return key;
+    }
+    return NULL;
+}
+
+kn_status kn_job_source(kn_ctx *ctx, kn_bezier *out, const kn_job *job, const kn_patch_id *id)
+{
+    const kn_job_key *key = find_leaf(job, id);
+    if (!key) return kn_fail(ctx, KN_EDOMAIN, "job: no such patch");
+    const kn_job_patch *patch = &job->patches[key->patch];
+    kn_bezier d = {0};
+    kn_status status = kn_job_restrict(ctx, &d, patch, key->rect);
+    if (status != KN_OK) return status;
+    size_t n = kn_bezier_count(&d);
+    for (size_t c = 0; c < 2; c++)
+        for (size_t i = 0; i < n; i++) d.coef[c * n + i] += patch->offset[c];
+    kn_bezier_swap(out, &d);
+    kn_bezier_clear(ctx, &d);
+    return KN_OK;
+}

@@ -1,0 +1,153 @@
+// SPDX-License-Identifier: Apache-2.0
+// Inside compose: what a job knows once it is planned, and the steps that find it out.
+#ifndef COMPOSE_JOB_H
+#define COMPOSE_JOB_H
+
+#include "kernel/context.h"
+
+#include <knurl/compose.h>
+
+enum {
+    KN_JOB_MAX_COUNT = 1 << 16, // cells of one surface in one direction
+    KN_JOB_MAX_DEPTH = 10,      // bisections of a tile patch, those in r and in t together
+    KN_JOB_MAX_SEGMENTS = 64,
+};
+#define KN_JOB_MAX_CELLS ((size_t)1 << 27) // all together
+
+// One Bezier patch of the placed tile, or what is left of it between the cell lines that cut it. d has (u, v, w), w
+// in length units, in the coordinates of the cell at `offset` from the tile's own.
+typedef struct kn_job_patch {
+    int part, patch;
+    int offset[2];
+    bool inside; // u and v of all control points within [0,1]
+    double top;  // max |w|
+    kn_bezier d;
+} kn_job_patch;
+
+// A dyadic part of a patch: [index, index + 1] / 2^level in r and in t.
+typedef struct kn_job_rect {
+    uint8_t level[2];
+    uint16_t index[2];
+} kn_job_rect;
+
+// One way to compose: which part of the tile, over which box of its cell, with which degrees of S and of n (term[0]
+// and term[1] of the piece), to which degree. A leaf of the plan is the number of its key, and a matrix belongs to a
+// key.
+typedef struct kn_job_key {
+    int patch; // of job->patches
+    kn_job_rect rect;
+    bool whole; // over the whole cell; else over kn_job_box of the rect
+    bool exact;
+    uint8_t degree[KN_SHELL_TERMS][2];
+    uint8_t factor; // composed degree / the tile patch's degree
+} kn_job_key;
+
+typedef struct kn_job_surface {
+    kn_shell *shell;
+    int cells[2];
+    bool closed[2];
+    double *lines[2];   // cells + 1 each, in S's parameters
+    bool *knot[2];      // whether S is not one polynomial across line i; cells + 1 each
+    size_t first_cell;  // in the job's order
+    int degree_sum;     // of n: what fits into max_degree
+    int factor;         // composed degree / the tile patch's degree, with the shell's own n
+    double jacobian[2]; // bounds
+} kn_job_surface;
+
+// The leaves of a cell: job->leaves[first .. first + count - 1].
+typedef struct kn_job_cell {
+    size_t first;
+    uint32_t count;
+} kn_job_cell;
+
+struct kn_job {
+    kn_job_options options; // defaults resolved
+    kn_tile tile;           // rotated
+    kn_job_report report;
+    int segments;
+    kn_job_patch *patches;
+    int npatches;
+    kn_job_surface *surfaces;
+    int nsurfaces;
+    kn_job_key *keys;
+    size_t *uses; // of each key
+    size_t nkeys;
+    uint32_t *leaves;
+    size_t nleaves;
+    kn_job_cell *cells;
+    size_t ncells;
+};
+
+// ---- job_measure.c ----
+// Isoparametric curves of a surface: means of length over both edges and the middle, and the chord height of one span
+// of the whole domain (cells divide it by their count squared). [0] runs along u.
+typedef struct kn_job_measure {
+    double length[2][3]; // at the lower edge, the middle, the upper edge
+    double bend[2];
+} kn_job_measure;
+kn_status kn_job_measure_surface(kn_ctx *ctx, kn_job_measure *out, const kn_spline *surface);
+double kn_job_mean_length(const kn_job_measure *m, int along);
+
+// ---- job_counts.c ----
+// counts[s] = cells of surface s in u and in v, as options ask. size: in force when options->count is 0.
+kn_status kn_job_counts(kn_ctx *ctx, int (*counts)[2], const kn_spline *surfaces, int nsurfaces,
+                        const kn_job_measure *measures, const kn_job_options *options, double diagonal);
+
+// ---- job_lines.c ----
+// lines[0 .. count]: the knots of variable var and lines between them, uniform in each span; knot[i] tells which.
+kn_status kn_job_make_lines(kn_ctx *ctx, double **lines, bool **knot, const kn_spline *surface, int var, int count);
+
+// ---- job_patches.c ----
+// job->patches from job->tile and the options' height and offset.
+kn_status kn_job_make_patches(kn_ctx *ctx, kn_job *job);
+
+// ---- job_rect.c ----
+// The part of a patch that rect names.
+kn_status kn_job_restrict(kn_ctx *ctx, kn_bezier *out, const kn_job_patch *patch, kn_job_rect rect);
+// A box with dyadic sides around (u, v) of d, hardly larger than it must be.
+void kn_job_box(double lo[2], double hi[2], const kn_bezier *d);
+// The patch of a key in the coordinates of its box, [0,1]^2.
+kn_status kn_job_in_box(kn_ctx *ctx, kn_bezier *out, double lo[2], double hi[2], const kn_job *job,
+                        const kn_job_key *key);
+
+// ---- job_pieces.c ----
+// The pieces of one surface's shell that one cell asks for: each is made once.
+typedef struct kn_job_piece {
+    int cell[2];
+    double lo[2], hi[2];
+    bool fits;
+    kn_shell_piece piece;
+} kn_job_piece;
+typedef struct kn_job_pieces {
+    const kn_job_surface *surface;
+    kn_job_piece *list;
+    int count, room;
+} kn_job_pieces;
+kn_status kn_job_pieces_get(kn_ctx *ctx, int *index, kn_job_pieces *pieces, const int cell[2], const double lo[2],
+                            const double hi[2]);
+void kn_job_pieces_clear(kn_ctx *ctx, kn_job_pieces *pieces); // empty, room kept
+void kn_job_pieces_end(kn_ctx *ctx, kn_job_pieces *pieces);
+
+// ---- job_plan.c ----
+// job->keys, leaves, cells and what the report says of them; patches and surfaces are there.
+kn_status kn_job_plan(kn_ctx *ctx, kn_job *job);
+
+// ---- job_keys.c ----
+// A set of keys in the order of their first appearance.
+typedef struct kn_job_keys {
+    kn_job_key *list;
+    size_t *uses;
+    size_t count, room;
+    uint32_t *slot; // open addressing: 1 + index, 0 empty; nslots is a power of two
+    size_t nslots;
+} kn_job_keys;
+kn_status kn_job_keys_add(kn_ctx *ctx, uint32_t *index, kn_job_keys *keys, const kn_job_key *key);
+void kn_job_keys_end(kn_ctx *ctx, kn_job_keys *keys);
+
+// Surface and cell of the cell numbered `index` in the job's order.
+void kn_job_locate(const kn_job *job, size_t index, int *surface, int cell[2]);
+// The degree of the output patch of a key.
+void kn_job_degree(const kn_job *job, const kn_job_key *key, int degree[2]);
+void kn_job_segments(const kn_job *job, const kn_job_key *key, int segments[2]);
+
+#endif

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+// The life of a tile.
+#include "kernel/context.h"
+
+#include <knurl/compose.h>
+#include <string.h>
+
+kn_status kn_tile_init(kn_ctx *ctx, kn_tile *out, const char *name, int nparts)
+{
+    if (nparts < 1) return kn_fail(ctx, KN_EDOMAIN, "tile: %d parts", nparts);
+    if (strlen(name) >= KN_NAME_BYTES)
+        return kn_fail(ctx, KN_ELIMIT, "tile: a name longer than %d bytes", KN_NAME_BYTES - 1);
+    kn_tile tile = {.aspect = 1.0, .nparts = nparts};
+    memcpy(tile.name, name, strlen(name));
+    tile.parts = kn_alloc_zero(ctx, (size_t)nparts, sizeof *tile.parts);
+    if (!tile.parts) return KN_ENOMEM;
+    *out = tile;
+    return KN_OK;
+}
+
+void kn_tile_clear(kn_ctx *ctx, kn_tile *tile)
+{
+    if (!tile) return;
+    for (int p = 0; p < tile->nparts; p++) {
+        kn_tile_part *part = &tile->parts[p];
+        for (int s = 0; s < part->nsurfaces; s++) kn_spline_clear(ctx, &part->surfaces[s]);
+        kn_free(ctx, part->surfaces);
+    }
+    kn_free(ctx, tile->parts);
+    *tile = (kn_tile){0};
+}
