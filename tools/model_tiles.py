@@ -104,31 +104,29 @@ def chain():
 # ---- scale: two rows of scales a cell, staggered; one folded sheet ----
 
 SCALE_ASPECT = 0.3125
-SCALE = dict(shoulder=0.53125, tip=0.953125, point=0.35, nose=0.03125, thick=0.06,
-             mid=0.16, rise=0.15625, curl=0.0625, dome=0.04, ridge=0.06)
+# Slopes over the aspect, and lengths, are short binary fractions: the joints of a top stay C1 exactly.
+SCALE = dict(shoulder=0.53125, tip=0.953125, point=0.35, nose=0.03125, thick=0.05,
+             mid=0.155, slope=0.15625, lift=0.46875, dome=0.03, ridge=0.05, hollow=0.02)
 
 
 def scale_half(s):
     """Half a scale in its own coordinates: x from 0 at the ridge to 1 at the shoulder (half a cell), y from its root
     at 0; z. Nets over x (three columns) by t (three rows): lower and upper top, nose, underside."""
-    def column(values):  # quadratic Bernstein coefficients of a + b x + c x^2
-        a, b, c = values
+    def column(a, b, c):  # quadratic Bernstein coefficients of a + b x + c x^2
         return (a, a + b / 2, a + b + c)
     drop = s["tip"] - s["shoulder"]
-    rim = [q(y) for y in column((s["tip"], -drop * s["point"], -drop * (1 - s["point"])))]
-    z_mid = column((s["mid"], -s["ridge"], -s["dome"]))
+    rim = [round(y * 512) / 512 for y in column(s["tip"], -drop * s["point"], -drop * (1 - s["point"]))]
+    middle = column(s["mid"], -s["ridge"], -s["dome"])
     lower, upper, nose, under = [], [], [], []
     for i in range(3):
-        x, reach = i / 2, rim[i] - 0.5
-        slope = s["rise"]
-        lower.append([(x, 0, 0), (x, 0.25, z_mid[i] - slope * 0.25), (x, 0.5, z_mid[i])])
-        z_rim = z_mid[i] + slope * reach + s["curl"] * (2 - i) / 2
-        upper.append([(x, 0.5, z_mid[i]), (x, 0.5 + reach / 2, z_mid[i] + slope * reach / 2), (x, rim[i], z_rim)])
-        lead = 2 * (z_rim - z_mid[i] - slope * reach / 2) / reach  # the slope at which the top arrives at its rim
-        front = (x, rim[i] + s["nose"], z_rim + s["nose"] * lead)
-        below = (x, rim[i], z_rim - s["thick"])
-        nose.append([upper[-1][2], front, below])
-        under.append([below, (x, 0.5 + 0.02, z_rim - s["thick"] - 0.6 * slope * reach), (x, 0.5, 0)])
+        x, half = i / 2, (rim[i] - 0.5) / 2
+        lower.append([(x, 0, 0), (x, 0.25, middle[i] - s["slope"] * 0.25), (x, 0.5, middle[i])])
+        turn = (x, 0.5 + half, middle[i] + s["slope"] * half)
+        edge = (x, rim[i], turn[2] + s["lift"] * half)
+        upper.append([lower[i][2], turn, edge])
+        below = (x, rim[i], edge[2] - s["thick"])
+        nose.append([edge, (x, rim[i] + s["nose"], edge[2] + s["nose"] * s["lift"]), below])
+        under.append([below, (x, 0.5 + s["hollow"], turn[2] - s["thick"]), (x, 0.5, 0)])
     return [lower, upper, nose, under]
 
 
@@ -149,7 +147,7 @@ def scale():
 
 THORN_ASPECT = 0.75
 # centre u, z, radius, slope of the ring's plane (z falls by it towards +u); the last is the tip
-THORN = [(0.4375, 0, 0.5, 0), (0.4375, 0, 0.23, 0), (0.46, 0.46, 0.15, 0.35), (0.84, 0.74, 0.03, 1.2), (0.84, 0.74, 0, 0)]
+THORN = [(0.4375, 0, 0.4375, 0), (0.4375, 0, 0.23, 0), (0.46, 0.46, 0.15, 0.35), (0.84, 0.725, 0.03, 1.2), (0.84, 0.725, 0, 0)]
 
 
 def thorn():
