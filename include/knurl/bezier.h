@@ -57,8 +57,10 @@ KN_API int kn_bezier_dim(const kn_bezier *b);
 // cost:   ncomp * count multiply-adds and sum_d degree[d]^2 for the Bernstein polynomials.
 KN_API KN_CHECKED kn_status kn_bezier_eval(kn_ctx *ctx, double *out, const kn_bezier *b, const double *at);
 // npoints values: out[i*dim + c] at the point at[i*nvars .. i*nvars + nvars-1].
-// fails:  KN_EUNDEFINED the weight is zero at some point; what out then holds is not specified.
-// error:  that of kn_bezier_eval.
+// out:    where the weight is zero a value that is not finite, and no failure. The same bits on every machine and for
+//         batches cut anyhow; kn_bezier_eval sums in another order, so that last bits differ.
+// error:  polynomial, at in [0,1]^nvars: gamma(sum_d 12 degree[d] + 6) max |p_i|.
+// cost:   as kn_bezier_eval without its set-up, in vectors where the machine has them (up to three variables).
 KN_API KN_CHECKED kn_status kn_bezier_eval_batch(kn_ctx *ctx, double *out, const kn_bezier *b, size_t npoints,
                                                  const double *at);
 // All partial derivatives of total order <= order.

@@ -38,6 +38,35 @@ static void values_are_exact(void **state)
     test_ctx_end(ctx, &memory);
 }
 
+// Enough points for the tables of the batched evaluation, in more than one block.
+static void many_values_are_exact(void **state)
+{
+    (void)state;
+    enum { POINTS = 700 };
+    test_memory memory = TEST_MEMORY_INIT;
+    kn_ctx *ctx = test_ctx(&memory, 1);
+    test_rng rng = test_random(6);
+    for (int nvars = 1; nvars <= 4; nvars++)
+        for (int rational = 0; rational < 2; rational++) {
+            static double at[4 * POINTS], batch[3 * POINTS];
+            double expected[3];
+            int degree[4];
+            kn_bezier b;
+            ref_random_degrees(&rng, degree, nvars);
+            test_random_bezier(ctx, &b, &rng, nvars, 3, rational, degree, 9);
+            for (int i = 0; i < POINTS * nvars; i++)
+                at[i] = test_int(&rng, rational ? 0 : -2, rational ? 4 : 6) / 4.0;
+            assert_int_equal(kn_bezier_eval_batch(ctx, batch, &b, POINTS, at), KN_OK);
+            int dim = kn_bezier_dim(&b);
+            for (int i = 0; i < POINTS; i++) {
+                ref_value(expected, &b, at + i * nvars);
+                for (int c = 0; c < dim; c++) assert_true(batch[i * dim + c] == expected[c]);
+            }
+            kn_bezier_clear(ctx, &b);
+        }
+    test_ctx_end(ctx, &memory);
+}
+
 static double gamma_of(int n)
 {
     return n * (DBL_EPSILON / 2) / (1 - n * (DBL_EPSILON / 2));
@@ -219,7 +248,6 @@ static void failures(void **state)
     double at = 0.0, out[3] = {5.0, 6.0, 7.0};
     assert_int_equal(kn_bezier_init(ctx, &b, 1, 2, true, degree), KN_OK); // all zero: so is the weight
     assert_int_equal(kn_bezier_eval(ctx, out, &b, &at), KN_EUNDEFINED);
-    assert_int_equal(kn_bezier_eval_batch(ctx, out, &b, 1, &at), KN_EUNDEFINED);
     assert_int_equal(kn_bezier_derivatives(ctx, out, &b, &at, 1), KN_EUNDEFINED);
     kn_ctx_clear_error(ctx);
     assert_int_equal(kn_bezier_eval(ctx, out, &empty, &at), KN_EDOMAIN);
@@ -231,6 +259,9 @@ static void failures(void **state)
     assert_int_equal(kn_bezier_derivatives(ctx, out, &b, &at, KN_MAX_DEGREE + 1), KN_ELIMIT);
     assert_int_equal(kn_bezier_derivatives(ctx, out, &b, &at, 2147483647), KN_ELIMIT);
     assert_true(out[0] == 5.0 && out[1] == 6.0 && out[2] == 7.0);
+    kn_ctx_clear_error(ctx);
+    assert_int_equal(kn_bezier_eval_batch(ctx, out, &b, 1, &at), KN_OK); // one point of many: it tells, and goes on
+    assert_true(!isfinite(out[0]));
     assert_int_equal(kn_bezier_eval_batch(ctx, NULL, &b, 0, NULL), KN_OK); // no points: nothing to do
     kn_bezier_clear(ctx, &b);
     test_ctx_end(ctx, &memory);
@@ -258,13 +289,14 @@ static void not_a_number(void **state)
 static kn_status call_all(kn_ctx *ctx, void *user)
 {
     const int degree[2] = {2, 3};
-    const double at[2] = {0.25, 0.5};
-    double out[30] = {3.0};
+    static double at[2 * 100], out[2 * 100];
+    for (int i = 0; i < 200; i++) at[i] = i / 200.0;
+    out[0] = 3.0;
     kn_bezier b = {0};
     kn_status status = kn_bezier_init(ctx, &b, 2, 3, true, degree);
     for (size_t i = 0; status == KN_OK && i < 36; i++) b.coef[i] = 1.0;
     if (status == KN_OK && *(const int *)user == 0) status = kn_bezier_eval(ctx, out, &b, at);
-    if (status == KN_OK && *(const int *)user == 1) status = kn_bezier_eval_batch(ctx, out, &b, 1, at);
+    if (status == KN_OK && *(const int *)user == 1) status = kn_bezier_eval_batch(ctx, out, &b, 100, at);
     if (status == KN_OK && *(const int *)user == 2) status = kn_bezier_derivatives(ctx, out, &b, at, 2);
     assert_true(out[0] == (status == KN_OK ? 1.0 : 3.0));
     kn_bezier_clear(ctx, &b);
@@ -280,6 +312,7 @@ static void out_of_memory(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {cmocka_unit_test(values_are_exact),
+                                       cmocka_unit_test(many_values_are_exact),
                                        cmocka_unit_test(values_keep_their_bound),
                                        cmocka_unit_test(corners_interpolate),
                                        cmocka_unit_test(multi_indices),
