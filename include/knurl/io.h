@@ -32,10 +32,17 @@ KN_API KN_CHECKED kn_status kn_read_model(kn_ctx *ctx, kn_model *out, const char
 
 // ---- tiles ----
 KN_API int kn_builtin_tile_count(void);
-KN_API const char *kn_builtin_tile_name(int index);                                       // NULL beyond the last
-KN_API KN_CHECKED kn_status kn_builtin_tile(kn_ctx *ctx, kn_tile *out, const char *name); // KN_EDOMAIN: no such tile
-// A tile of one part from a spline file; cell is u0, v0, u1, v1, mapped to the unit square (NULL: it is that
-// already).
+KN_API const char *kn_builtin_tile_name(int index); // NULL outside 0 .. count-1. Static storage
+// out = the built-in tile of that name (docs/tiles.md); overwritten, not cleared: kn_tile_clear is the caller's.
+// fails: KN_EDOMAIN (no such tile), KN_ENOMEM; out unchanged.
+KN_API KN_CHECKED kn_status kn_builtin_tile(kn_ctx *ctx, kn_tile *out, const char *name);
+// out = a casual tile of one part, named after the file, from all splines of a file that kn_read_model reads.
+// in:    cell: u0, v0, u1, v1, u0 < u1, v0 < v1, a rectangle of the file's (u,v) that is mapped to the unit square;
+//        NULL: it is that already. w stays as it is; the aspect is 1 / sqrt of the rectangle's area, so that one unit
+//        of w looks as long as one unit of u and v.
+// out:   overwritten, not cleared.
+// fails: KN_EDOMAIN (cell, the path's ending, a spline that is no polynomial surface (u,v,w)), and as kn_read_model;
+//        out unchanged.
 KN_API KN_CHECKED kn_status kn_read_tile(kn_ctx *ctx, kn_tile *out, const char *path, const double *cell);
 
 // ---- writers: sinks that write to a temporary name beside path, and rename it when the job has ended ----

@@ -20,17 +20,18 @@ typedef struct kn_mesh {
 // Frees the arrays; the mesh is empty afterwards. NULL and an empty mesh are fine.
 KN_API void kn_mesh_clear(kn_ctx *ctx, kn_mesh *mesh);
 
-// Appends a patch over [0,1]^2 on the uniform grid of segments[0] x segments[1]: vertices with r slowest, unit normals
-// along r x t, and two triangles for each rectangle, less those of which two corners coincide.
-// in:     patch of two variables in dimension 3, polynomial or rational; segments at least 1 each. reversed flips
+// Appends a patch over [0,1]^2 on the uniform grid of segments[0] x segments[1]: vertices with r slowest, unit
+// normals along r x t, and two triangles for each rectangle, less those of which two corners coincide. in:     patch
+// of two variables in dimension 3, polynomial or rational; segments at least 1 each. reversed flips
 //         triangles and normals.
-// out:    (segments[0]+1)(segments[1]+1) more vertices, at most 2 segments[0] segments[1] more triangles. Points on an
-//         edge depend on that edge's control points and segments alone, whichever way the edge is run, so that patches
-//         which share an edge share its points bit for bit. Where r x t vanishes (a collapsed edge, a cusp) the normal
-//         is its limit from inside, to about 1e-6; (0,0,1) where the patch has none there either.
+// out:    (segments[0]+1)(segments[1]+1) more vertices, at most 2 segments[0] segments[1] more triangles. Points on
+// an
+//         edge depend on that edge's control points and segments alone, whichever way the edge is run, so that
+//         patches which share an edge share its points bit for bit. Where r x t vanishes (a collapsed edge, a cusp)
+//         the normal is its limit from inside, to about 1e-6; (0,0,1) where the patch has none there either.
 // fails:  KN_EDOMAIN (shape, segments), KN_ELIMIT (more than 2^32 - 1 vertices, degree > KN_MAX_DEGREE), KN_ENOMEM;
 //         the mesh holds what it held.
-// error:  |point - exact| <= gamma(2 (n + m + 4)) max |control point| for degrees (n, m); rational: over the least
+// error:  |point - exact| <= gamma(4 (n + m) + 2) max |control point| for degrees (n, m); rational: over the least
 //         weight.
 // cost:   per vertex and component about 3 (m + 1) products, and per line of r 2 (n + 1)(m + 1); no allocation but
 //         the arrays' growth, by half each time.
