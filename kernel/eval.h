@@ -49,8 +49,9 @@ typedef struct kn_eval_axis {
     size_t stride;                          // of packed coefficients, in numbers
     const double *left, *inverse, *extract; // per span; extract: (degree + 1) x width, NULL for Bezier
     const double *binomial;
-    const int *first, *start; // first coefficient of a span; where to look from, for a bucket
-    double *basis;            // workspace of one block
+    const size_t *first; // where in the packed coefficients a span's begin
+    const int *start;    // the span to search from, of a bucket
+    double *basis;       // workspace of one block
 } kn_eval_axis;
 typedef struct kn_eval_plan {
     int nvars, ncomp, width; // width: ncomp rounded up to whole vectors

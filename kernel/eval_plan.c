@@ -80,7 +80,7 @@ static void make_spans(kn_eval_axis *a, const double *knots, int count, double *
     size_t room = search_room(a->spans), size = (size_t)(p + 1) * (size_t)a->width;
     double *left = take(memory, room), *inverse = take(memory, (size_t)a->spans);
     double *extract = knots ? take(memory, (size_t)a->spans * size) : NULL, args[KN_MAX_DEGREE + 1];
-    int *first = (int *)(void *)take(memory, (size_t)a->spans);
+    size_t *first = (size_t *)(void *)take(memory, (size_t)a->spans);
     a->left = left, a->inverse = inverse, a->extract = extract, a->first = first;
     for (size_t i = 0; i < room; i++) left[i] = INFINITY;
     left[0] = 0.0, inverse[0] = 1.0, first[0] = 0;
@@ -90,7 +90,7 @@ static void make_spans(kn_eval_axis *a, const double *knots, int count, double *
          s = kn_knots_next_span(knots, p, count, s), i++) {
         left[i] = knots[s];
         inverse[i] = 1.0 / (knots[s + 1] - knots[s]);
-        first[i] = s - p;
+        first[i] = (size_t)(s - p) * a->stride;
         for (int r = 0; r <= p; r++) {
             for (int k = 0; k < p; k++) args[k] = k < p - r ? knots[s] : knots[s + 1];
             kn_knots_blossom(extract + (size_t)i * size + (size_t)r * (size_t)a->width, knots, p, s, args);
@@ -113,11 +113,11 @@ static void make_buckets(kn_eval_axis *a, double **memory)
     for (a->steps = 0; range > 0; range /= 2) a->steps++;
 }
 
-static void make_axis(kn_eval_axis *a, const kn_eval_function *f, int d, double **memory)
+static void make_axis(kn_eval_axis *a, const kn_eval_function *f, int d, size_t stride, double **memory)
 {
     const double *knots = f->knots[d];
     int p = f->degree[d];
-    *a = (kn_eval_axis){.degree = p, .width = whole_vectors(p + 1), .spans = spans_of(f, d)};
+    *a = (kn_eval_axis){.degree = p, .width = whole_vectors(p + 1), .spans = spans_of(f, d), .stride = stride};
     a->buckets = buckets_of(a->spans);
     a->lo = knots ? knots[0] : 0.0, a->end = knots ? knots[f->count[d]] : 1.0;
     a->scale = a->buckets / (a->end - a->lo);
@@ -135,8 +135,7 @@ void kn_eval_prepare(kn_eval_plan *plan, const kn_eval_function *f, double *memo
     size_t n = 1, width = (size_t)whole_vectors(f->ncomp), order = 0;
     plan->width = (int)width;
     for (int d = f->nvars - 1; d >= 0; d--) {
-        make_axis(&plan->axis[d], f, d, &memory);
-        plan->axis[d].stride = n * width;
+        make_axis(&plan->axis[d], f, d, n * width, &memory);
         n *= (size_t)f->count[d];
         if ((size_t)f->degree[d] + 1 > order) order = (size_t)f->degree[d] + 1;
     }

@@ -7,27 +7,40 @@
 #include "kernel/eval_block.h"
 
 #include <assert.h>
-#include <string.h>
 
-typedef double v4 __attribute__((vector_size(KN_EVAL_VECTOR * sizeof(double)), may_alias));
+// Loads and stores through it may alias doubles and be aligned as doubles are.
+typedef double v4 __attribute__((vector_size(KN_EVAL_VECTOR * sizeof(double)), aligned(sizeof(double)), may_alias));
 
 #define INLINE static inline __attribute__((always_inline))
 
-// Where the control points of each point of a block begin.
+// Where each point of a block lies: its span, and where its control points begin.
 typedef struct places {
-    const double *coef[KN_EVAL_BLOCK];
     int span[KN_EVAL_BLOCK];
+    size_t first[KN_EVAL_BLOCK];
 } places;
 
-INLINE void find_spans(double *restrict x, places *to, const kn_eval_axis *a, int n, const double *at, int nvars)
+// Constants where it is worth it: a bicubic surface has code of its own.
+INLINE int degree_of(const kn_eval_plan *plan, int d, bool cubic)
 {
-    for (int i = 0; i < n; i++) {
-        double t = at[i * nvars];
-        int s = a->start[kn_eval_bucket(a, t)];
-        for (int w = a->steps > 0 ? 1 << (a->steps - 1) : 0; w > 0; w /= 2) s += t >= a->left[s + w] ? w : 0;
-        to->span[i] = s;
-        to->coef[i] += (size_t)a->first[s] * a->stride;
-        x[i] = t == a->end ? 1.0 : (t - a->left[s]) * a->inverse[s];
+    return cubic ? 3 : plan->axis[d].degree;
+}
+
+INLINE void find_spans(double *restrict x, places *restrict to, const kn_eval_axis *axis, int n, const double *at,
+                       int nvars)
+{
+    const kn_eval_axis a = *axis; // in registers: stores below cannot change it
+    double t[KN_EVAL_BLOCK];
+    int span[KN_EVAL_BLOCK];
+    for (int i = 0; i < n; i++) t[i] = at[i * nvars];
+    for (int i = n; i < KN_EVAL_BLOCK; i++) t[i] = a.lo;
+    for (int i = 0; i < KN_EVAL_BLOCK; i++) span[i] = kn_eval_bucket(&a, t[i]);
+    for (int i = 0; i < KN_EVAL_BLOCK; i++) span[i] = a.start[span[i]];
+    for (int w = a.steps > 0 ? 1 << (a.steps - 1) : 0; w > 0; w /= 2)
+        for (int i = 0; i < KN_EVAL_BLOCK; i++) span[i] += t[i] >= a.left[span[i] + w] ? w : 0;
+    for (int i = 0; i < KN_EVAL_BLOCK; i++) {
+        to->span[i] = span[i];
+        to->first[i] += a.first[span[i]];
+        x[i] = t[i] == a.end ? 1.0 : (t[i] - a.left[span[i]]) * a.inverse[span[i]];
     }
 }
 
@@ -51,17 +64,16 @@ INLINE void bernstein(double *restrict b, const double *restrict x, const double
 // basis[i][k] = sum_r b[r][i] E[r][k] of the point's span.
 INLINE void b_splines(const kn_eval_axis *a, const places *to, const double *b, int n, int p, int width)
 {
-    for (int i = 0; i < n; i++) {
-        double *basis = a->basis + i * width;
-        if (!a->extract) {
-            for (int k = 0; k <= p; k++) basis[k] = b[k * KN_EVAL_BLOCK + i];
-            continue;
-        }
-        const double *e = a->extract + (size_t)to->span[i] * (size_t)((p + 1) * width);
+    double *basis = a->basis;
+    const double *extract = a->extract;
+    for (int i = 0; i < n && !extract; i++)
+        for (int k = 0; k <= p; k++) basis[i * width + k] = b[k * KN_EVAL_BLOCK + i];
+    for (int i = 0; i < n && extract; i++) {
+        const double *e = extract + (size_t)to->span[i] * (size_t)((p + 1) * width);
         for (int k = 0; k < width; k += KN_EVAL_VECTOR) {
             v4 sum = b[i] * *(const v4 *)(e + k);
             for (int r = 1; r <= p; r++) sum += b[r * KN_EVAL_BLOCK + i] * *(const v4 *)(e + r * width + k);
-            *(v4 *)(basis + k) = sum;
+            *(v4 *)(basis + i * width + k) = sum;
         }
     }
 }
@@ -94,60 +106,75 @@ INLINE void sum3(v4 *sum, const double *c, const double *const *n, const int *p,
     *sum = s;
 }
 
-// One block of n points in nvars variables of degrees p; those two are constants where it is worth it.
-INLINE void block(double *out, const kn_eval_plan *plan, int n, const double *at, int nvars, const int *p)
+// The sums of a block's points, `width` components each. value of four components or fewer goes straight to out:
+// whole vectors, of which the next point overwrites what is too much, as long as that stays inside out's n points.
+INLINE void contract(double *out, const kn_eval_plan *plan, const places *to, int n, int nvars, bool cubic)
 {
-    places to;
-    size_t stride[KN_EVAL_MAX_VARS];
-    int width[KN_EVAL_MAX_VARS], dim = plan->ncomp - plan->rational;
-    for (int i = 0; i < n; i++) to.coef[i] = plan->packed;
-    for (int i = n; i < KN_EVAL_BLOCK; i++) plan->x[i] = 0.0;
+    const double *packed = plan->packed, *basis[KN_EVAL_MAX_VARS] = {NULL};
+    size_t stride[KN_EVAL_MAX_VARS] = {0};
+    int p[KN_EVAL_MAX_VARS] = {0}, width[KN_EVAL_MAX_VARS] = {0}, dim = plan->ncomp - plan->rational;
+    bool rational = plan->rational, narrow = plan->width == KN_EVAL_VECTOR;
     for (int d = 0; d < nvars; d++) {
-        const kn_eval_axis *a = &plan->axis[d];
-        stride[d] = a->stride;
-        width[d] = (p[d] + KN_EVAL_VECTOR) / KN_EVAL_VECTOR * KN_EVAL_VECTOR;
-        find_spans(plan->x, &to, a, n, at + d, nvars);
-        bernstein(plan->bernstein, plan->x, a->binomial, p[d]);
-        b_splines(a, &to, plan->bernstein, n, p[d], width[d]);
+        p[d] = degree_of(plan, d, cubic);
+        width[d] = cubic ? KN_EVAL_VECTOR : plan->axis[d].width;
+        stride[d] = plan->axis[d].stride;
+        basis[d] = plan->axis[d].basis;
     }
     for (int i = 0; i < n; i++) {
-        const double *basis[KN_EVAL_MAX_VARS];
-        double value[KN_MAX_COMPS] __attribute__((aligned(64)));
-        for (int d = 0; d < nvars; d++) basis[d] = plan->axis[d].basis + i * width[d];
-        for (int c = 0; c < plan->width; c += KN_EVAL_VECTOR) {
-            const double *from = to.coef[i] + c;
-            v4 *to_value = (v4 *)(value + c);
+        double value[KN_MAX_COMPS];
+        for (int c = 0; c < (narrow ? KN_EVAL_VECTOR : plan->width); c += KN_EVAL_VECTOR) {
+            const double *from = packed + to->first[i] + c;
+            v4 sum;
             if (nvars == 1)
-                sum1(to_value, from, basis[0], p[0], stride[0]);
+                sum1(&sum, from, basis[0], p[0], stride[0]);
             else if (nvars == 2)
-                sum2(to_value, from, basis, p, stride);
+                sum2(&sum, from, basis, p, stride);
             else
-                sum3(to_value, from, basis, p, stride);
+                sum3(&sum, from, basis, p, stride);
+            if (narrow && rational) sum = sum / sum[dim];
+            *(v4 *)(narrow && i * dim + KN_EVAL_VECTOR <= n * dim ? out + i * dim : value + c) = sum;
         }
-        for (int c = 0; c < dim; c++) out[i * dim + c] = plan->rational ? value[c] / value[dim] : value[c];
+        if (!narrow || i * dim + KN_EVAL_VECTOR > n * dim)
+            for (int c = 0; c < dim; c++) out[i * dim + c] = rational && !narrow ? value[c] / value[dim] : value[c];
+        for (int d = 0; d < nvars; d++) basis[d] += width[d];
     }
 }
 
-INLINE void all_blocks(double *out, const kn_eval_plan *plan, size_t npoints, const double *at, int nvars,
-                       const int *p)
+INLINE void block(double *out, const kn_eval_plan *plan, int n, const double *at, int nvars, bool cubic)
+{
+    places to;
+    for (int i = 0; i < KN_EVAL_BLOCK; i++) to.first[i] = 0;
+    for (int d = 0; d < nvars; d++) {
+        const kn_eval_axis *a = &plan->axis[d];
+        int p = degree_of(plan, d, cubic);
+        find_spans(plan->x, &to, a, n, at + d, nvars);
+        bernstein(plan->bernstein, plan->x, a->binomial, p);
+        b_splines(a, &to, plan->bernstein, n, p, cubic ? KN_EVAL_VECTOR : a->width);
+    }
+    contract(out, plan, &to, n, nvars, cubic);
+}
+
+INLINE void all_blocks(double *out, const kn_eval_plan *plan, size_t npoints, const double *at, int nvars, bool cubic)
 {
     int dim = plan->ncomp - plan->rational;
     while (npoints > 0) {
         int n = npoints < KN_EVAL_BLOCK ? (int)npoints : KN_EVAL_BLOCK;
-        block(out, plan, n, at, nvars, p);
+        block(out, plan, n, at, nvars, cubic);
         npoints -= (size_t)n, at += n * nvars, out += n * dim;
     }
 }
 
 INLINE void choose(double *out, const kn_eval_plan *plan, size_t npoints, const double *at)
 {
-    const int cubic[KN_EVAL_MAX_VARS] = {3, 3, 3};
-    int p[KN_EVAL_MAX_VARS] = {0}, n = plan->nvars, cubics = 0;
-    for (int d = 0; d < n; d++) p[d] = plan->axis[d].degree, cubics += p[d] == 3;
-    if (n == 2 && cubics == 2)
-        all_blocks(out, plan, npoints, at, 2, cubic);
+    int n = plan->nvars;
+    if (n == 2 && plan->axis[0].degree == 3 && plan->axis[1].degree == 3)
+        all_blocks(out, plan, npoints, at, 2, true);
+    else if (n == 1)
+        all_blocks(out, plan, npoints, at, 1, false);
+    else if (n == 2)
+        all_blocks(out, plan, npoints, at, 2, false);
     else
-        all_blocks(out, plan, npoints, at, n, p);
+        all_blocks(out, plan, npoints, at, 3, false);
 }
 
 static void sse2(double *out, const kn_eval_plan *plan, size_t npoints, const double *at)
