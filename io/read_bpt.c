@@ -36,8 +36,7 @@ static kn_status parse_patches(kn_scan *scan, kn_model *model)
 {
     int count = 0;
     kn_status status = kn_scan_int(scan, &count, "number of patches", 1, 2147483647);
-    // the smallest patch is two degrees and four points
-    if (status == KN_OK) status = kn_scan_room(scan, 14.0 * count, "patches");
+    if (status == KN_OK) status = kn_scan_room(scan, 2.0 * count, "degrees of patches");
     for (int i = 0; i < count && status == KN_OK; i++) {
         kn_spline spline = {0};
         scan->object = i + 1;
