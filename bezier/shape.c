@@ -35,13 +35,15 @@ kn_status kn_bezier_check(kn_ctx *ctx, const char *what, int nvars, int ncomp, b
 
 kn_status kn_bezier_check_operand(kn_ctx *ctx, const char *what, const kn_bezier *a)
 {
-    return a->coef ? KN_OK : kn_fail(ctx, KN_EDOMAIN, "%s: a piece without coefficients", what);
+    if (!a->coef) return kn_fail(ctx, KN_EDOMAIN, "%s: a piece without coefficients", what);
+    return kn_bezier_check(ctx, what, a->nvars, a->ncomp, a->rational, a->degree);
 }
 
 kn_status kn_bezier_check_pair(kn_ctx *ctx, const char *what, const kn_bezier *a, const kn_bezier *b)
 {
-    if (!a->coef || !b->coef) return kn_fail(ctx, KN_EDOMAIN, "%s: a piece without coefficients", what);
-    if (a->nvars == b->nvars) return KN_OK;
+    kn_status status = kn_bezier_check_operand(ctx, what, a);
+    if (status == KN_OK) status = kn_bezier_check_operand(ctx, what, b);
+    if (status != KN_OK || a->nvars == b->nvars) return status;
     return kn_fail(ctx, KN_EDOMAIN, "%s: %d and %d variables", what, a->nvars, b->nvars);
 }
 

@@ -12,7 +12,8 @@
 kn_status kn_bezier_check(kn_ctx *ctx, const char *what, int nvars, int ncomp, bool rational, const int *degree);
 // Allocates b->coef, not cleared, for the shape that b already has, after kn_bezier_check.
 kn_status kn_bezier_alloc(kn_ctx *ctx, kn_bezier *b, const char *what);
-// KN_EDOMAIN (recorded) for a piece without coefficients.
+// KN_EDOMAIN (recorded) for a piece without coefficients; else kn_bezier_check, for pieces that were put together by
+// hand: loops over fixed buffers rely on the limits.
 kn_status kn_bezier_check_operand(kn_ctx *ctx, const char *what, const kn_bezier *a);
 // The same for two, which must have the same variables.
 kn_status kn_bezier_check_pair(kn_ctx *ctx, const char *what, const kn_bezier *a, const kn_bezier *b);

@@ -21,8 +21,8 @@ typedef struct kn_bezier {
 } kn_bezier;
 
 // Common to all below:
-// in:     operands have coefficients (else KN_EDOMAIN) and nvars <= KN_MAX_VARS, ncomp <= KN_MAX_COMPS. NaN and
-//         infinite coefficients pass through as IEEE arithmetic has them; nothing checks for them.
+// in:     operands have coefficients (else KN_EDOMAIN) and shapes that kn_bezier_init would accept (else its
+//         failures). NaN and infinite coefficients pass through as IEEE arithmetic has them; nothing checks for them.
 // out:    a piece named out is initialised (empty will do), is overwritten, and may be an operand. On failure it is
 //         unchanged, and so are arrays of numbers, unless a comment says otherwise.
 // fails:  KN_ENOMEM; KN_EDOMAIN and KN_ELIMIT as said; always with a message in the context.

@@ -362,6 +362,15 @@ static void failures(void **state)
     assert_int_equal(kn_bezier_divide_edge(ctx, &out, &order, &a, 2, false), KN_EDOMAIN);
     assert_int_equal(kn_ctx_error(ctx), KN_EDOMAIN);
     kn_ctx_clear_error(ctx);
+    kn_bezier forged = a; // put together by hand, beyond the limits
+    forged.degree[0] = KN_MAX_DEGREE + 1;
+    double value[2];
+    assert_int_equal(kn_bezier_eval(ctx, value, &forged, zero), KN_ELIMIT);
+    assert_int_equal(kn_bezier_subdivide(ctx, &out, &right, &forged, 0, 0.5), KN_ELIMIT);
+    assert_int_equal(kn_bezier_restrict(ctx, &out, &forged, zero, zero), KN_ELIMIT);
+    forged.nvars = KN_MAX_VARS + 1;
+    assert_int_equal(kn_bezier_product(ctx, &out, &forged, &a), KN_ELIMIT);
+    kn_ctx_clear_error(ctx);
     assert_int_equal(kn_bezier_divide_edge(ctx, &out, &order, &a, 0, false), KN_EUNDEFINED);
     assert_int_equal(kn_bezier_divide_edge(ctx, &out, &order, &a, 0, true), KN_EUNDEFINED);
     assert_int_equal(kn_ctx_error(ctx), KN_EUNDEFINED);
