@@ -21,12 +21,11 @@ typedef struct kn_mesh {
 KN_API void kn_mesh_clear(kn_ctx *ctx, kn_mesh *mesh);
 
 // Appends a patch over [0,1]^2 on the uniform grid of segments[0] x segments[1]: vertices with r slowest, unit
-// normals along r x t, and two triangles for each rectangle, less those of which two corners coincide. in:     patch
-// of two variables in dimension 3, polynomial or rational; segments at least 1 each. reversed flips
+// normals along r x t, and two triangles for each rectangle, less those of which two corners coincide.
+// in:     patch of two variables in dimension 3, polynomial or rational; segments at least 1 each; reversed flips
 //         triangles and normals.
 // out:    (segments[0]+1)(segments[1]+1) more vertices, at most 2 segments[0] segments[1] more triangles. Points on
-// an
-//         edge depend on that edge's control points and segments alone, whichever way the edge is run, so that
+//         an edge depend on that edge's control points and segments alone, whichever way the edge is run, so that
 //         patches which share an edge share its points bit for bit. Where r x t vanishes (a collapsed edge, a cusp)
 //         the normal is its limit from inside, to about 1e-6; (0,0,1) where the patch has none there either.
 // fails:  KN_EDOMAIN (shape, segments), KN_ELIMIT (more than 2^32 - 1 vertices, degree > KN_MAX_DEGREE), KN_ENOMEM;
