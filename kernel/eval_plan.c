@@ -30,7 +30,8 @@ static int buckets_of(int spans)
     return spans == 1 ? 1 : spans < MAX_BUCKETS / 4 ? 4 * spans : MAX_BUCKETS;
 }
 
-// Spans are found by halving from start[bucket]: 2^steps entries beyond the last one are infinite. steps <= 30.
+// Spans are found by halving from start[bucket]: up to 2^steps entries beyond the last one are NaN, which no t
+// reaches. steps <= 30.
 static size_t search_room(int spans)
 {
     size_t n = 1;
@@ -73,7 +74,7 @@ static double *take(double **memory, size_t n)
     return block;
 }
 
-// left[i], i < spans, then infinities; extract from the blossoms of each span.
+// left[i], i < spans, then NaN; extract from the blossoms of each span.
 static void make_spans(kn_eval_axis *a, const double *knots, int count, double **memory)
 {
     int p = a->degree;
@@ -82,7 +83,7 @@ static void make_spans(kn_eval_axis *a, const double *knots, int count, double *
     double *extract = knots ? take(memory, (size_t)a->spans * size) : NULL, args[KN_MAX_DEGREE + 1];
     size_t *first = (size_t *)(void *)take(memory, (size_t)a->spans);
     a->left = left, a->inverse = inverse, a->extract = extract, a->first = first;
-    for (size_t i = 0; i < room; i++) left[i] = INFINITY;
+    for (size_t i = 0; i < room; i++) left[i] = NAN;
     left[0] = 0.0, inverse[0] = 1.0, first[0] = 0;
     if (!knots) return;
     memset(extract, 0, (size_t)a->spans * size * sizeof *extract);

@@ -88,9 +88,9 @@ static void raise_level(double *w, const double *knots, int s, int m, double x)
 {
     double carry = 0.0;
     for (int k = 0; k < m; k++) {
-        double lo = knots[s - m + 1 + k], hi = knots[s + 1 + k], part = w[k] / (hi - lo);
-        w[k] = carry + (hi - x) * part;
-        carry = (x - lo) * part;
+        double lo = knots[s - m + 1 + k], hi = knots[s + 1 + k], old = w[k];
+        w[k] = carry + (hi - x) / (hi - lo) * old; // the quotients are exactly 0 and 1 at lo and hi
+        carry = (x - lo) / (hi - lo) * old;
     }
     w[m] = carry;
 }
