@@ -234,7 +234,8 @@ $(B)/headers/%.ok: include/knurl/%.h $(HEADERS) $(B)/flags
 	  -fsyntax-only -x c++ -
 	@touch $@
 format:
-	$(Q)clang-format --dry-run -Werror $(C_FILES) $(CXX_FILES)
+	$(Q)bad=0; for f in $(C_FILES) $(CXX_FILES); do clang-format "$$f" | cmp -s - "$$f" || { echo "not formatted: $$f"; bad=1; }; \
+	  done; exit $$bad
 
 # clang-tidy file by file, again only when the file, a header or the configuration changed.
 LINT_C := $(LIB_SRC) $(CLI_SRC) $(TEST_SRC) $(SUPPORT_SRC) $(HELPER_SRC) $(BENCH_SRC) $(wildcard tests/fuzz/*.c examples/*/*.c)

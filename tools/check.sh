@@ -30,7 +30,7 @@ step()
     else
         failed=$((failed + 1)) failures="$failures $name"
         line "$name" FAILED
-        sed 's/^/    /' "$logs/$name.log" | grep -av '^      [A-Z]* *[^ ]*$' | tail -n 40
+        sed 's/^/    /' "$logs/$name.log" | grep -avE '^      [A-Z]+ +[^ ]*$|Nothing to be done' | tail -n 40
     fi
 }
 
@@ -65,7 +65,7 @@ step install "$make" O="$out" install DESTDIR="$stage" PREFIX=/usr
 step install-pkgconfig tools/install_check.sh pkgconfig "$stage" "$out/embed-pkgconfig"
 step install-cmake tools/install_check.sh cmake "$stage" "$out/embed-cmake"
 step readme tools/install_check.sh readme "$stage" "$out/embed-readme"
-step uninstall bash -c "\"$make\" O='$out' uninstall DESTDIR='$stage' PREFIX=/usr && test -z \"\$(find '$stage' ! -type d)\""
+step uninstall bash -c "test -d '$stage/usr/include/knurl' && \"$make\" O='$out' uninstall DESTDIR='$stage' PREFIX=/usr && test -z \"\$(find '$stage' ! -type d)\""
 suite clang release CC=clang O="$out/clang"
 suite sanitize sanitize
 for target in tests/fuzz/fuzz_*.c; do

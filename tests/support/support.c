@@ -20,7 +20,8 @@ test_rng test_random(uint64_t salt)
 {
     const char *text = getenv("KN_TEST_SEED");
     uint64_t seed = text && *text ? strtoull(text, NULL, 10) : 1;
-    printf("# KN_TEST_SEED=%llu\n", (unsigned long long)seed);
+    static atomic_flag told = ATOMIC_FLAG_INIT;
+    if (!atomic_flag_test_and_set(&told)) printf("# KN_TEST_SEED=%llu\n", (unsigned long long)seed);
     test_rng rng = {seed};
     rng.state = test_bits(&rng) ^ salt;
     test_bits(&rng);

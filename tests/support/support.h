@@ -70,7 +70,8 @@ typedef struct test_rng {
     uint64_t state;
 } test_rng;
 
-// Depends on KN_TEST_SEED and salt alone; prints the seed as a comment, which is shown when the program fails.
+// Depends on KN_TEST_SEED and salt alone; prints the seed once, as a comment that is shown when the
+// program fails.
 test_rng test_random(uint64_t salt);
 uint64_t test_bits(test_rng *rng);
 double test_uniform(test_rng *rng, double lo, double hi);
