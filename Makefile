@@ -234,8 +234,8 @@ $(B)/headers/%.ok: include/knurl/%.h $(HEADERS) $(B)/flags
 	  -fsyntax-only -x c++ -
 	@touch $@
 format:
-	$(Q)bad=0; for f in $(C_FILES) $(CXX_FILES); do clang-format "$$f" | cmp -s - "$$f" || { echo "not formatted: $$f"; bad=1; }; \
-	  done; exit $$bad
+	$(Q)bad=$$(clang-format --dry-run -Werror $(C_FILES) $(CXX_FILES) 2>&1 | sed -n 's/^\([^ :]*\):.* error: .*/\1/p' | sort -u); \
+	  test -z "$$bad" || { printf 'not formatted: %s\n' $$bad; exit 1; }
 
 # clang-tidy file by file, again only when the file, a header or the configuration changed.
 LINT_C := $(LIB_SRC) $(CLI_SRC) $(TEST_SRC) $(SUPPORT_SRC) $(HELPER_SRC) $(BENCH_SRC) $(wildcard tests/fuzz/*.c examples/*/*.c)
