@@ -43,7 +43,7 @@ inline float ggx_density(float alpha, vec h)
 inline float coat_probability(const surface &s, vec wo)
 {
     float coat = luminance(fresnel(s.f0, wo.z)), base = luminance(s.diffuse);
-    return coat + base > 0.0f ? clamp(coat / (coat + base), 0.1f, base > 0.0f ? 0.9f : 1.0f) : 1.0f;
+    return coat + base > 0.0f ? clamp(coat / (coat + base), 0.25f, base > 0.0f ? 0.75f : 1.0f) : 1.0f;
 }
 
 // f(wo, wi) |cos wi|, and the density of sample() at wi.

@@ -22,8 +22,8 @@ using namespace knr;
 
 constexpr float epsilon = 2e-5f; // ray offsets, in radii of the object
 constexpr float far_away = 1e30f;
-constexpr float indirect_limit = 6.0f; // luminance of one bounce's contribution: above it are fireflies
-constexpr float enough = 0.006f;       // standard error at which a pixel is done
+constexpr float indirect_limit = 2.5f; // luminance of one bounce's contribution: above it are fireflies
+constexpr float enough = 0.012f;       // standard error at which a pixel is done
 constexpr float ground_limit = 0.6f;   // and of the object's light on the ground
 
 // One item as the tracer sees it. position has room for Embree's 16-byte loads behind the last vertex.
@@ -37,12 +37,18 @@ struct camera {
     vec eye, right, up, forward; // right and up are scaled to the half width and half height at distance 1
 };
 
-// Film: for each pixel, sums over its samples.
+// What a pixel is averaged from and into, pass by pass.
+struct layer {
+    vec lit, open;  // light on the ground with the object there, and without it: sums
+    vec colour;     // of the object, developed
+    float variance; // of the mean of its brightness
+};
+
 struct pixel {
-    vec object;            // radiance where the object is seen
     float samples, ground; // how many, and how many of them see the ground or the background
-    vec lit, open;         // light on the ground with the object there, and without it
-    vec smooth[2][2];      // the same averaged with the neighbourhood, pass by pass in turns
+    vec object, normal;    // sums over the others: radiance and shading normal
+    float depth;           // and distance
+    layer smooth[2];
 };
 
 struct tracer {
@@ -152,9 +158,9 @@ bool visible(const tracer &t, vec origin, vec d, float distance)
 // ---- light ----
 
 // The ground as other surfaces see it: diffuse, one light sample, fading into the dome's horizon.
-vec ground_radiance(const tracer &t, const hit &h, vec d, float choice, point2 u)
+vec ground_radiance(const tracer &t, const hit &h, vec d, float select, point2 u)
 {
-    light_sample l = sample_light(t.st, h.origin, choice, u);
+    light_sample l = sample_light(t.st, choose_lights(t.st, h.origin, h.normal), h.origin, select, u);
     vec e = {0.0f, 0.0f, 0.0f};
     if (l.density > 0.0f && l.to.z > 0.0f && visible(t, h.origin, l.to, l.distance))
         e = (l.to.z / l.density) * l.radiance;
@@ -165,9 +171,10 @@ vec ground_radiance(const tracer &t, const hit &h, vec d, float choice, point2 u
     return mix(near, dome(t.st, level), smoothstep(3.0f, 9.0f, reach));
 }
 
-vec direct(const tracer &t, const hit &h, const surface &look, const frame &at, vec wo, float choice, point2 u)
+vec direct(const tracer &t, const hit &h, const surface &look, const frame &at, vec wo, const choice &of,
+           float select, point2 u)
 {
-    light_sample l = sample_light(t.st, h.origin, choice, u);
+    light_sample l = sample_light(t.st, of, h.origin, select, u);
     vec wi = at.to_local(l.to);
     if (!(l.density > 0.0f) || wi.z <= 0.0f) return {0.0f, 0.0f, 0.0f};
     float density;
@@ -192,7 +199,8 @@ vec follow(const tracer &t, hit h, vec d, const sampler &points, uint32_t pair, 
         vec wo = at.to_local(-d);
         point2 a = points.point(pair), b = points.point(pair + 1), c = points.point(pair + 2);
         bool narrow = look.narrow();
-        vec here = narrow ? vec{0.0f, 0.0f, 0.0f} : carried * direct(t, h, look, at, wo, a.x, b);
+        choice of = narrow ? choice{} : choose_lights(t.st, h.origin, h.normal);
+        vec here = narrow ? vec{0.0f, 0.0f, 0.0f} : carried * direct(t, h, look, at, wo, of, a.x, b);
         sum = sum + (bounce ? limit(here, indirect_limit) : here);
 
         vec wi = sample(look, wo, a.y, c);
@@ -207,11 +215,11 @@ vec follow(const tracer &t, hit h, vec d, const sampler &points, uint32_t pair, 
         }
         d = at.to_world(wi);
         hit next = intersect(t, h.origin, d);
-        vec seen = lights_along(t.st, h.origin, d, next.distance, density, narrow);
+        vec seen = lights_along(t.st, narrow ? nullptr : &of, h.origin, d, next.distance, density);
         if (next.distance >= far_away) seen = seen + dome(t.st, d);
         if (next.distance < far_away && next.item < 0) seen = seen + ground_radiance(t, next, d, c.x, a);
         seen = carried * seen;
-        sum = sum + limit(seen, bounce ? indirect_limit : 4.0f * indirect_limit);
+        sum = sum + limit(seen, bounce ? indirect_limit : 8.0f * indirect_limit);
         if (next.item < 0) break;
         h = next;
     }
@@ -219,19 +227,19 @@ vec follow(const tracer &t, hit h, vec d, const sampler &points, uint32_t pair, 
 }
 
 // One sample of the ground: a light, and a direction of the dome that the object may stand in.
-void shade_ground(const tracer &t, pixel *px, const hit &h, const sampler &points)
+void shade_ground(const tracer &t, layer *sums, const hit &h, const sampler &points)
 {
     point2 a = points.point(1), b = points.point(2), c = points.point(3);
-    light_sample l = sample_light(t.st, h.origin, a.x, b);
+    light_sample l = sample_light(t.st, choose_lights(t.st, h.origin, h.normal), h.origin, a.x, b);
     if (l.density > 0.0f && l.to.z > 0.0f) {
         vec e = (l.to.z / (pi * l.density)) * l.radiance;
-        px->open = px->open + e;
-        if (visible(t, h.origin, l.to, l.distance)) px->lit = px->lit + e;
+        sums->open = sums->open + e;
+        if (visible(t, h.origin, l.to, l.distance)) sums->lit = sums->lit + e;
     }
     vec d = sample_cosine(c), sky = dome(t.st, d);
     hit next = intersect(t, h.origin, d);
-    px->open = px->open + sky;
-    px->lit = px->lit + (next.item < 0 ? sky : limit(follow(t, next, d, points, 4, 1), ground_limit));
+    sums->open = sums->open + sky;
+    sums->lit = sums->lit + (next.item < 0 ? sky : limit(follow(t, next, d, points, 4, 1), ground_limit));
 }
 
 // ---- the picture ----
@@ -252,32 +260,36 @@ void trace_sample(const tracer &t, pixel *px, int x, int y, const sampler &point
     px->samples += 1.0f;
     if (h.item >= 0) {
         px->object = px->object + follow(t, h, d, points, 1, t.bounces);
+        px->normal = px->normal + h.normal, px->depth += h.distance;
         return;
     }
     px->ground += 1.0f;
-    if (h.distance < far_away) shade_ground(t, px, h, points);
+    if (h.distance < far_away) shade_ground(t, px->smooth, h, points);
 }
 
-// Every eighth sample the pixel is looked at: plain ground is averaged with its neighbours later and is done; the
-// object is done when the standard error of its mean, on a scale like the film's, is too small to see.
+// Every eighth sample the pixel is looked at: plain ground is averaged with its neighbours later and is soon done;
+// the object is done when the standard error of its mean, on a scale like the film's, is too small to see.
 void trace_pixel(const tracer &t, int x, int y)
 {
     size_t at = static_cast<size_t>(y) * static_cast<size_t>(t.width) + static_cast<size_t>(x);
     sampler points = {hash(t.seed, static_cast<uint32_t>(at)), 0, t.mask};
     pixel px = {};
-    float sum = 0.0f, squares = 0.0f;
+    float sum = 0.0f, squares = 0.0f, variance = 0.0f, n = 0.0f;
     for (int i = 0; i < t.samples; i++) {
-        if (i % 8 == 0 && i > 0) {
-            float n = px.samples, error = (squares - sum * sum / n) / (n * (n - 1.0f));
-            if (px.ground == n || (px.ground == 0.0f && error < enough * enough)) break;
-        }
+        bool plain = px.ground == n && n >= 16.0f,
+             sure = px.ground == 0.0f && variance < enough * enough && n >= 16.0f;
+        if (i % 8 == 0 && (plain || sure)) break;
         float before = luminance(px.object);
         points.index = static_cast<uint32_t>(i);
         trace_sample(t, &px, x, y, points);
-        float y1 = luminance(px.object) - before, shown = y1 / (0.4f + y1);
-        sum += shown, squares += shown * shown;
+        float more = luminance(px.object) - before, shown = more / (0.4f + more);
+        sum += shown, squares += shown * shown, n += 1.0f;
+        variance = n > 1.0f ? (squares - sum * sum / n) / (n * (n - 1.0f)) : 1.0f;
     }
-    px.smooth[0][0] = px.lit, px.smooth[0][1] = px.open;
+    float cover = n - px.ground;
+    if (cover > 0.0f) px.smooth[0].colour = film((1.0f / cover) * px.object);
+    px.smooth[0].variance = variance > 0.0f ? variance : 0.0f;
+    px.smooth[1] = px.smooth[0];
     t.film[at] = px;
 }
 
@@ -298,30 +310,65 @@ float share(float lit, float open)
     return open > 0.0f ? clamp(lit / open, 0.0f, 1.5f) : 1.0f;
 }
 
-// Pass p averages over 5 x 5 pixels that lie 2^p apart, weighted by a B-spline and by how near their shares of light
-// are: shadows have soft edges, so that much can be averaged without blurring them.
-// Source: Dammertz et al., Edge-avoiding a-trous wavelet transform for fast global illumination filtering, 2010.
-enum { PASSES = 5 };
-
-void smooth_pixel(const tracer &t, int x, int y, pixel *px)
+const pixel *neighbour(const tracer &t, int x, int y)
 {
-    static const float spline[3] = {0.375f, 0.25f, 0.0625f};
+    if (x < 0 || x >= t.width || y < 0 || y >= t.height) return nullptr;
+    return t.film + static_cast<size_t>(y) * static_cast<size_t>(t.width) + static_cast<size_t>(x);
+}
+
+// Pass p averages over 5 x 5 pixels that lie 2^p apart, weighted by a B-spline and by likeness.
+// Source: Dammertz et al., Edge-avoiding a-trous wavelet transform for fast global illumination filtering, 2010.
+enum { GROUND_PASSES = 5, OBJECT_PASSES = 3 };
+constexpr float spline[3] = {0.375f, 0.25f, 0.0625f};
+
+// Ground is like ground with nearly the same share of light: shadows have soft edges.
+void smooth_ground(const tracer &t, int x, int y, pixel *px)
+{
     const int from = t.pass & 1, step = 1 << t.pass;
-    const float range = t.pass ? 10.0f * static_cast<float>(step) : 0.0f;
-    float mine = share(luminance(px->smooth[from][0]), luminance(px->smooth[from][1]));
+    const float range = t.pass ? 12.0f : 0.0f;
+    float mine = share(luminance(px->smooth[from].lit), luminance(px->smooth[from].open));
     vec lit = {0.0f, 0.0f, 0.0f}, open = lit;
     for (int j = -2; j <= 2; j++)
         for (int i = -2; i <= 2; i++) {
-            int xi = x + i * step, yj = y + j * step;
-            if (xi < 0 || xi >= t.width || yj < 0 || yj >= t.height) continue;
-            const pixel &other = t.film[static_cast<size_t>(yj) * static_cast<size_t>(t.width) + static_cast<size_t>(xi)];
-            if (other.ground <= 0.0f) continue;
-            const vec *sums = other.smooth[from];
-            float d = range * (share(luminance(sums[0]), luminance(sums[1])) - mine);
+            const pixel *other = neighbour(t, x + i * step, y + j * step);
+            if (!other || other->ground <= 0.0f) continue;
+            const layer &sums = other->smooth[from];
+            float d = range * (share(luminance(sums.lit), luminance(sums.open)) - mine);
             float w = spline[std::abs(i)] * spline[std::abs(j)] / (1.0f + d * d);
-            lit = lit + w * sums[0], open = open + w * sums[1];
+            lit = lit + w * sums.lit, open = open + w * sums.open;
         }
-    px->smooth[1 - from][0] = lit, px->smooth[1 - from][1] = open;
+    px->smooth[1 - from].lit = lit, px->smooth[1 - from].open = open;
+}
+
+// A pixel filled by one smooth piece of the object: its normals agree.
+bool is_smooth(const pixel &px)
+{
+    return px.ground == 0.0f && dot(px.normal, px.normal) > 0.995f * px.samples * px.samples;
+}
+
+// The object is like the object at nearly the same normal and distance, of a brightness that differs by noise only.
+void smooth_object(const tracer &t, int x, int y, pixel *px)
+{
+    const int from = t.pass & 1, step = 1 << t.pass;
+    const layer &mine = px->smooth[from];
+    const vec normal = normalize(px->normal);
+    const float depth = px->depth / px->samples, reach = 0.01f * static_cast<float>(step);
+    vec colour = {0.0f, 0.0f, 0.0f};
+    float total = 0.0f, variance = 0.0f;
+    for (int j = -2; j <= 2; j++)
+        for (int i = -2; i <= 2; i++) {
+            const pixel *other = neighbour(t, x + i * step, y + j * step);
+            if (!other || !is_smooth(*other)) continue;
+            const layer &theirs = other->smooth[from];
+            vec turn = normalize(other->normal) - normal, differ = theirs.colour - mine.colour;
+            float away = (other->depth / other->samples - depth) / reach, noise = mine.variance + theirs.variance;
+            float unlike = dot(turn, turn) * 200.0f + away * away + 0.25f * dot(differ, differ) / (noise + 3e-5f);
+            float w = spline[std::abs(i)] * spline[std::abs(j)] / (1.0f + unlike * unlike);
+            colour = colour + w * theirs.colour;
+            variance += w * w * theirs.variance, total += w;
+        }
+    px->smooth[1 - from].colour = (1.0f / total) * colour;
+    px->smooth[1 - from].variance = variance / (total * total);
 }
 
 kn_status smooth_row(kn_ctx *, void *user, size_t row)
@@ -329,7 +376,8 @@ kn_status smooth_row(kn_ctx *, void *user, size_t row)
     const tracer &t = *static_cast<const tracer *>(user);
     for (int x = 0; x < t.width; x++) {
         pixel *px = t.film + row * static_cast<size_t>(t.width) + static_cast<size_t>(x);
-        if (px->ground > 0.0f) smooth_pixel(t, x, static_cast<int>(row), px);
+        if (px->ground > 0.0f) smooth_ground(t, x, static_cast<int>(row), px);
+        if (t.pass < OBJECT_PASSES && is_smooth(*px)) smooth_object(t, x, static_cast<int>(row), px);
     }
     return KN_OK;
 }
@@ -348,13 +396,11 @@ kn_status develop_row(kn_ctx *, void *user, size_t row)
         size_t at = row * static_cast<size_t>(t.width) + static_cast<size_t>(i);
         const pixel &px = t.film[at];
         float x = (2.0f * static_cast<float>(i) + 1.0f) / static_cast<float>(t.width) - 1.0f;
-        float each = 1.0f / px.samples, ground = each * px.ground;
-        vec lit = px.smooth[PASSES & 1][0], open = px.smooth[PASSES & 1][1];
-        vec light = {share(lit.x, open.x), share(lit.y, open.y), share(lit.z, open.z)};
-        // The object's part is developed as if it filled the pixel, then mixed by coverage.
-        float cover = 1.0f - ground;
-        vec o = cover > 0.0f ? (each / cover) * px.object : vec{0.0f, 0.0f, 0.0f};
-        vec c = cover * film(o) + ground * (light * backdrop(x, y));
+        const layer &ground = px.smooth[GROUND_PASSES & 1], &object = px.smooth[OBJECT_PASSES & 1];
+        float cover = 1.0f - px.ground / px.samples;
+        vec light = {share(ground.lit.x, ground.open.x), share(ground.lit.y, ground.open.y),
+                     share(ground.lit.z, ground.open.z)};
+        vec c = cover * object.colour + (1.0f - cover) * (light * backdrop(x, y));
         uint32_t n = hash(static_cast<uint32_t>(at), 0x2c1b3c6du);
         float noise = sampler::unit(n) - 0.5f;
         t.rgb[3 * at] = to_byte(c.x, noise);
@@ -523,7 +569,8 @@ kn_status trace(kn_ctx *ctx, tracer *t)
     size_t tiles = ((w + TILE - 1) / TILE) * ((h + TILE - 1) / TILE);
     t->film = static_cast<pixel *>(kn_alloc(ctx, w * h, sizeof *t->film));
     kn_status status = t->film ? kn_parallel(ctx, tiles, trace_tile, t, "render") : KN_ENOMEM;
-    for (; t->pass < PASSES && status == KN_OK; t->pass++) status = kn_parallel(ctx, h, smooth_row, t, nullptr);
+    for (; t->pass < GROUND_PASSES && status == KN_OK; t->pass++)
+        status = kn_parallel(ctx, h, smooth_row, t, nullptr);
     if (status == KN_OK) status = kn_parallel(ctx, h, develop_row, t, nullptr);
     kn_free(ctx, t->film);
     return status;

@@ -14,7 +14,7 @@ namespace knr
 struct softbox {
     vec centre, s, t, n; // s, t: half sides
     vec radiance;
-    float area, probability;
+    float area, power;
 };
 
 enum { LIGHTS = 5 };
@@ -48,13 +48,10 @@ inline studio make_studio(float exposure)
     st.light[2] = make_softbox({2.8f, 3.0f, 2.4f}, low, 1.0f, 3.2f, 12.0f * white);
     st.light[3] = make_softbox({-3.2f, 3.0f, 1.6f}, low, 0.8f, 3.0f, 6.0f * cool);
     st.light[4] = make_softbox({0.2f, 0.6f, 4.0f}, low, 3.0f, 1.8f, 5.0f * white);
-    float sum = 0.0f;
     for (softbox &b : st.light) {
         b.radiance = exposure * b.radiance;
-        b.probability = b.area * luminance(b.radiance) / dot(b.centre, b.centre);
-        sum += b.probability;
+        b.power = b.area * luminance(b.radiance);
     }
-    for (softbox &b : st.light) b.probability /= sum;
     st.exposure = exposure;
     return st;
 }
@@ -74,6 +71,27 @@ inline float softbox_profile(float u, float v)
     return (1.0f - smoothstep(0.7f, 1.0f, std::fabs(u))) * (1.0f - smoothstep(0.7f, 1.0f, std::fabs(v)));
 }
 
+// The probability with which a place asks each box: about its share of the light there. 0 where none can come.
+struct choice {
+    float probability[LIGHTS];
+};
+
+inline choice choose_lights(const studio &st, vec from, vec normal)
+{
+    choice out;
+    float sum = 0.0f;
+    for (int i = 0; i < LIGHTS; i++) {
+        const softbox &b = st.light[i];
+        vec d = b.centre - from;
+        float squared = dot(d, d), distance = std::sqrt(squared);
+        float there = -dot(d, b.n) / distance, here = (dot(d, normal) / distance + 0.4f) / 1.4f; // boxes are broad
+        out.probability[i] = there > 0.0f && here > 0.0f ? b.power * there * here / squared : 0.0f;
+        sum += out.probability[i];
+    }
+    for (float &p : out.probability) p = sum > 0.0f ? p / sum : 0.0f;
+    return out;
+}
+
 struct light_sample {
     vec to; // unit
     float distance, density;
@@ -81,10 +99,10 @@ struct light_sample {
 };
 
 // density is per solid angle, the choice of the box included; 0: no light from here.
-inline light_sample sample_light(const studio &st, vec from, float choice, point2 at)
+inline light_sample sample_light(const studio &st, const choice &of, vec from, float select, point2 at)
 {
     int i = 0;
-    for (; i < LIGHTS - 1 && choice >= st.light[i].probability; i++) choice -= st.light[i].probability;
+    for (; i < LIGHTS - 1 && select >= of.probability[i]; i++) select -= of.probability[i];
     const softbox &b = st.light[i];
     float u = 2.0f * at.x - 1.0f, v = 2.0f * at.y - 1.0f;
     vec d = b.centre + u * b.s + v * b.t - from;
@@ -92,15 +110,16 @@ inline light_sample sample_light(const studio &st, vec from, float choice, point
     vec to = (1.0f / distance) * d;
     float cosine = -dot(to, b.n);
     if (!(cosine > 1e-4f)) return {to, distance, 0.0f, {0.0f, 0.0f, 0.0f}};
-    return {to, distance, b.probability * squared / (b.area * cosine), softbox_profile(u, v) * b.radiance};
+    return {to, distance, of.probability[i] * squared / (b.area * cosine), softbox_profile(u, v) * b.radiance};
 }
 
 // The radiance of the boxes that a ray meets before `far`, each weighted against sample_light by the balance
-// heuristic: density is the ray's own; alone when sample_light is not used.
-inline vec lights_along(const studio &st, vec from, vec d, float far, float density, bool alone)
+// heuristic: density is the ray's own. of is NULL where sample_light is not used.
+inline vec lights_along(const studio &st, const choice *of, vec from, vec d, float far, float density)
 {
     vec sum = {0.0f, 0.0f, 0.0f};
-    for (const softbox &b : st.light) {
+    for (int i = 0; i < LIGHTS; i++) {
+        const softbox &b = st.light[i];
         float cosine = -dot(d, b.n);
         if (!(cosine > 1e-4f)) continue;
         float distance = dot(from - b.centre, b.n) / cosine;
@@ -108,7 +127,7 @@ inline vec lights_along(const studio &st, vec from, vec d, float far, float dens
         vec at = from + distance * d - b.centre;
         float u = dot(at, b.s) / dot(b.s, b.s), v = dot(at, b.t) / dot(b.t, b.t);
         if (std::fabs(u) >= 1.0f || std::fabs(v) >= 1.0f) continue;
-        float other = alone ? 0.0f : b.probability * distance * distance / (b.area * cosine);
+        float other = of ? of->probability[i] * distance * distance / (b.area * cosine) : 0.0f;
         sum = sum + (density / (density + other) * softbox_profile(u, v)) * b.radiance;
     }
     return sum;
