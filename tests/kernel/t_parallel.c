@@ -4,7 +4,9 @@
 #include "kernel/parallel.h"
 #include "tests/support/support.h"
 
+#include <pthread.h>
 #include <string.h>
+#include <time.h>
 
 enum { MANY = 300 };
 
@@ -252,6 +254,95 @@ static void pipeline_failures(void **state)
             }
 }
 
+// ---- what happens when threads do meet: made to happen, by indices that wait for each other ----
+static void pause_ms(int ms)
+{
+    struct timespec t = {.tv_nsec = 1000000L * ms};
+    (void)nanosleep(&t, NULL);
+}
+
+// Not for ever: where the system gives no second thread the test fails rather than hangs.
+static void wait_for(atomic_bool *flag)
+{
+    for (int i = 0; i < 5000 && !atomic_load(flag); i++) pause_ms(1);
+}
+
+typedef struct meeting {
+    atomic_bool started[2], finished;
+    pthread_t caller;
+    bool fail_first;
+    size_t committed, dropped;
+} meeting;
+
+// Index 1 fails at once, index 0 after it: 0 is reported.
+static kn_status late_failure(kn_ctx *worker, void *user, size_t index)
+{
+    meeting *m = user;
+    if (index == 1) m->started[1] = true;
+    if (index == 0) wait_for(&m->started[1]);
+    return kn_fail(worker, KN_EDOMAIN, "index %zu", index);
+}
+
+static void lowest_error_though_later(void **state)
+{
+    (void)state;
+    test_memory memory = TEST_MEMORY_INIT;
+    kn_ctx *ctx = test_ctx(&memory, 2);
+    meeting m = {0};
+    assert_int_equal(kn_parallel(ctx, 2, late_failure, &m, NULL), KN_EDOMAIN);
+    assert_string_equal(kn_ctx_message(ctx), "index 0");
+    test_ctx_end(ctx, &memory);
+}
+
+// Index 0 waits until another thread has index 1. Threads other than the calling one are slow, so that it must wait
+// for them; and there are more of them than there is room for products, so that they wait too.
+static kn_status slow_make(kn_ctx *worker, void *user, size_t index, void **product)
+{
+    meeting *m = user;
+    *product = m;
+    if (index < 2) m->started[index] = true;
+    if (index == 0) wait_for(&m->started[1]);
+    if (index == 0 && m->fail_first) wait_for(&m->finished);
+    if (index == 0 && m->fail_first) return kn_fail(worker, KN_EDOMAIN, "index 0");
+    if (!pthread_equal(pthread_self(), m->caller)) pause_ms(2);
+    if (index == 1) m->finished = true;
+    return KN_OK;
+}
+
+static kn_status count_commit(kn_ctx *ctx, void *user, size_t index, void *product)
+{
+    meeting *m = user;
+    (void)ctx;
+    assert_ptr_equal(product, m);
+    assert_int_equal(index, m->committed);
+    m->committed++;
+    return KN_OK;
+}
+
+static void count_drop(kn_ctx *ctx, void *user, void *product)
+{
+    meeting *m = user;
+    (void)ctx;
+    assert_ptr_equal(product, m);
+    m->dropped++;
+}
+
+static void threads_wait_for_each_other(void **state)
+{
+    (void)state;
+    for (int fail_first = 0; fail_first < 2; fail_first++) {
+        test_memory memory = TEST_MEMORY_INIT;
+        kn_ctx *ctx = test_ctx(&memory, 3);
+        meeting m = {.caller = pthread_self(), .fail_first = fail_first != 0};
+        kn_pipeline p = {.user = &m, .work = slow_make, .commit = count_commit, .drop = count_drop};
+        kn_status status = kn_pipeline_run(ctx, &p, 12, 3 - (size_t)fail_first, NULL);
+        assert_int_equal(status, fail_first ? KN_EDOMAIN : KN_OK);
+        assert_int_equal(m.committed, fail_first ? 0 : 12);
+        assert_int_equal(m.dropped, fail_first ? 1 : 0); // index 1 was made, and had no room beyond it
+        test_ctx_end(ctx, &memory);
+    }
+}
+
 static kn_status call_parallel(kn_ctx *ctx, void *user)
 {
     memset(user, 0, sizeof(job));
@@ -302,6 +393,8 @@ int main(void)
                                        cmocka_unit_test(cancelling),
                                        cmocka_unit_test(commits_in_order),
                                        cmocka_unit_test(pipeline_failures),
+                                       cmocka_unit_test(lowest_error_though_later),
+                                       cmocka_unit_test(threads_wait_for_each_other),
                                        cmocka_unit_test(out_of_memory),
                                        cmocka_unit_test(out_of_memory_in_threads)};
     return cmocka_run_group_tests_name("kernel/parallel", tests, NULL, NULL);
