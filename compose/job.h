@@ -9,7 +9,7 @@
 
 enum {
     KN_JOB_MAX_COUNT = 1 << 16, // cells of one surface in one direction
-    KN_JOB_MAX_DEPTH = 10,      // bisections of a tile patch, those in r and in t together
+    KN_JOB_MAX_DEPTH = 10,      // bisections of a tile patch in r and in t each
     KN_JOB_MAX_SEGMENTS = 64,
 };
 #define KN_JOB_MAX_CELLS ((size_t)1 << 27) // all together
@@ -50,7 +50,6 @@ typedef struct kn_job_surface {
     bool *knot[2];      // whether S is not one polynomial across line i; cells + 1 each
     size_t first_cell;  // in the job's order
     int degree_sum;     // of n: what fits into max_degree
-    int factor;         // composed degree / the tile patch's degree, with the shell's own n
     double jacobian[2]; // bounds
 } kn_job_surface;
 

@@ -98,51 +98,56 @@ static double mean_cell_size(const kn_job_measure *measures, int (*counts)[2], i
     return sum / cells;
 }
 
-// |b_i'' along and across| of the patch in length units, with u and v as long as `cell`: second differences of
-// control points bound second derivatives, and a triangulation of 1/s steps is within (|D_rr| + 2 |D_rt| + |D_tt|) /
-// (8 s^2).
-static double patch_chord(const kn_bezier *d, double cell)
+// The largest distance from the patch, u and v as long as `cell`, to its triangulation with `segments` in each
+// direction, measured in the middle of every edge of the triangles.
+static kn_status measure_chord(kn_ctx *ctx, double *chord, const kn_bezier *patch, int segments, double cell)
 {
-    int m = d->degree[0], n = d->degree[1];
-    size_t count = kn_bezier_count(d), row = (size_t)n + 1;
-    const double scale[3] = {cell, cell, 1.0};
-    double most[3] = {0.0, 0.0, 0.0};
-    for (int i = 0; i <= m; i++)
-        for (int j = 0; j <= n; j++) {
-            double sum[3] = {0.0, 0.0, 0.0};
-            for (size_t c = 0; c < 3; c++) {
-                const double *x = d->coef + c * count + (size_t)i * row + (size_t)j;
-                double rr = i + 2 <= m ? x[0] - 2.0 * x[row] + x[2 * row] : 0.0;
-                double tt = j + 2 <= n ? x[0] - 2.0 * x[1] + x[2] : 0.0;
-                double rt = i < m && j < n ? x[0] - x[1] - x[row] + x[row + 1] : 0.0;
-                sum[0] += scale[c] * scale[c] * rr * rr;
-                sum[1] += scale[c] * scale[c] * rt * rt;
-                sum[2] += scale[c] * scale[c] * tt * tt;
-            }
-            for (int k = 0; k < 3; k++) most[k] = fmax(most[k], sum[k]);
-        }
-    return (m * (m - 1) * sqrt(most[0]) + 2.0 * m * n * sqrt(most[1]) + n * (n - 1) * sqrt(most[2])) / 8.0;
+    size_t n = 2 * (size_t)segments + 1;
+    kn_mark mark = kn_scratch_mark(ctx);
+    double *at = kn_scratch(ctx, n * n, 2 * sizeof *at), *p = kn_scratch(ctx, n * n, 3 * sizeof *p);
+    kn_status status = at && p ? KN_OK : KN_ENOMEM;
+    for (size_t i = 0; status == KN_OK && i < n * n; i++) {
+        at[2 * i] = (double)(i / n) / (double)(n - 1);
+        at[2 * i + 1] = (double)(i % n) / (double)(n - 1);
+    }
+    if (status == KN_OK) status = kn_bezier_eval_batch(ctx, p, patch, n * n, at);
+    *chord = 0.0;
+    for (size_t i = 0; status == KN_OK && i < n * n; i++) {
+        // Ends of the edge whose middle is point i: along r, along t, or the diagonal; corners are none.
+        size_t odd_r = (i / n) % 2, odd_t = (i % n) % 2, step = odd_r * n + odd_t;
+        if (step == 0) continue;
+        const double *a = p + 3 * (i - step), *b = p + 3 * (i + step), *m = p + 3 * i;
+        double du = cell * (m[0] - (a[0] + b[0]) / 2.0), dv = cell * (m[1] - (a[1] + b[1]) / 2.0);
+        double dw = m[2] - (a[2] + b[2]) / 2.0;
+        *chord = fmax(*chord, sqrt(du * du + dv * dv + dw * dw));
+    }
+    kn_scratch_release(ctx, mark);
+    return status;
 }
 
-// The least power of two that keeps every patch within mesh_tol, the base's own bend over its cells included.
-static int choose_segments(const kn_job *job, const kn_job_measure *measures, int (*counts)[2])
+// The least power of two that keeps every patch within mesh_tol, with the base's own bend over its cells.
+static kn_status choose_segments(kn_ctx *ctx, kn_job *job, const kn_job_measure *measures, int (*counts)[2])
 {
-    double bend = 0.0, worst = 0.0;
+    double bend = 0.0;
     for (int s = 0; s < job->nsurfaces; s++) {
         double here = 0.0;
         for (int d = 0; d < 2; d++) here += measures[s].bend[d] / counts[s][d] / counts[s][d];
         bend = fmax(bend, here);
     }
+    job->segments = 2;
     for (int k = 0; k < job->npatches; k++) {
         const kn_bezier *d = &job->patches[k].d;
         size_t n = kn_bezier_count(d);
-        double extent = 0.0;
+        double extent = 0.0, chord;
         for (size_t i = 0; i < 2 * n; i++) extent = fmax(extent, fabs(d->coef[i] - d->coef[i < n ? 0 : n]));
-        worst = fmax(worst, patch_chord(d, job->report.cell_size) + bend * extent * extent);
+        for (; job->segments < KN_JOB_MAX_SEGMENTS; job->segments *= 2) {
+            double steps = (double)job->segments * job->segments;
+            kn_status status = measure_chord(ctx, &chord, d, job->segments, job->report.cell_size);
+            if (status != KN_OK) return status;
+            if (chord + bend * extent * extent / steps <= job->options.mesh_tol) break;
+        }
     }
-    int segments = 2;
-    while (segments < KN_JOB_MAX_SEGMENTS && worst > job->options.mesh_tol * segments * segments) segments *= 2;
-    return segments;
+    return KN_OK;
 }
 
 // Counts and everything that hangs on the size of a cell.
@@ -175,7 +180,7 @@ static kn_status decide_sizes(kn_ctx *ctx, kn_job *job, const kn_spline *surface
         job->report.height = o->height;
         status = kn_job_make_patches(ctx, job);
     }
-    if (status == KN_OK) job->segments = choose_segments(job, measures, counts);
+    if (status == KN_OK) status = choose_segments(ctx, job, measures, counts);
     kn_free(ctx, measures);
     kn_free(ctx, counts);
     return status;
@@ -235,9 +240,6 @@ static kn_status make_shell(kn_ctx *ctx, void *user, size_t index)
     if (status != KN_OK) return status;
 
     kn_shell_closed(to->shell, to->closed);
-    const kn_spline *n = kn_shell_normal(to->shell);
-    int a = s->degree[0] + s->degree[1], with_n = n->degree[0] + n->degree[1] + 1 + (s->rational ? a : 0);
-    to->factor = a > with_n ? a : with_n;
     return kn_shell_jacobian_bounds(ctx, &to->jacobian[0], &to->jacobian[1], to->shell, all->w[0], all->w[1]);
 }
 

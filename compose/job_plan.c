@@ -51,7 +51,7 @@ static kn_status add_leaf(kn_ctx *ctx, cell_work *w, int patch, kn_job_rect rect
         plan->room = room;
     }
     kn_job_key key = {.patch = patch, .rect = rect, .whole = whole, .exact = piece->exact};
-    int factor = w->surface->factor;
+    int factor = 1;
     for (int t = 0; t < piece->nterms; t++) {
         const int *degree = piece->term[t].degree;
         for (int d = 0; d < 2; d++) key.degree[t][d] = (uint8_t)degree[d];
@@ -86,12 +86,13 @@ static double spread(const kn_bezier *d)
 }
 
 // The variable whose bisection makes the two boxes smaller together.
-static kn_status choose_cut(kn_ctx *ctx, int *var, const kn_bezier *d)
+static kn_status choose_cut(kn_ctx *ctx, int *var, const kn_bezier *d, kn_job_rect rect)
 {
     kn_bezier left = {0}, right = {0};
-    double size[2] = {0.0, 0.0};
+    double size[2] = {INFINITY, INFINITY};
     kn_status status = KN_OK;
     for (int v = 0; status == KN_OK && v < 2; v++) {
+        if (rect.level[v] == KN_JOB_MAX_DEPTH) continue;
         status = kn_bezier_subdivide(ctx, &left, &right, d, v, 0.5);
         if (status == KN_OK) size[v] = spread(&left) + spread(&right);
     }
@@ -112,7 +113,7 @@ static kn_status give_up(kn_ctx *ctx, const cell_work *w, int patch, bool crosse
                        p->patch, name, w->surface_index, w->cell[0], w->cell[1]);
     return kn_fail(ctx, KN_EUNDECIDED,
                    "job: no normal of low degree within the tolerance for patch %d of tile part \"%s\" in cell %d,%d "
-                   "of surface %d, after %d bisections",
+                   "of surface %d, after %d bisections each way",
                    p->patch, name, w->cell[0], w->cell[1], w->surface_index, KN_JOB_MAX_DEPTH);
 }
 
@@ -133,10 +134,10 @@ static kn_status plan_rect(kn_ctx *ctx, cell_work *w, int patch, const int targe
     }
     if (status == KN_OK && fits) status = add_leaf(ctx, w, patch, rect, false, &w->pieces.list[index].piece);
     if (status == KN_OK && !fits) {
-        if (depth >= (crosses ? CROSSING_DEPTH : KN_JOB_MAX_DEPTH))
+        if (depth >= (crosses ? CROSSING_DEPTH : 2 * KN_JOB_MAX_DEPTH))
             status = give_up(ctx, w, patch, crosses);
         else
-            status = choose_cut(ctx, &var, &d);
+            status = choose_cut(ctx, &var, &d, rect);
         for (int half = 0; status == KN_OK && half < 2; half++) {
             kn_job_rect part = rect;
             part.level[var]++;
