@@ -7,7 +7,7 @@
 #include <math.h>
 #include <string.h>
 
-enum { LOWEST_DEGREE = 3 };
+enum { LOWEST_DEGREE = 3, MOST_SPANS = 1 << 20 };
 
 typedef struct refinement {
     kn_shell *shell;
@@ -203,8 +203,19 @@ static kn_status split_axis(kn_ctx *ctx, refinement *r, int var, const char *spl
     return kn_grid_split(ctx, g, split);
 }
 
+// No line helps where rounding alone passes the tolerance: in the spline, or in the direction of a span.
+static bool below_rounding(const refinement *r, const candidate *c)
+{
+    double tol = r->shell->normal_tol;
+    if (tol < 1e-12) return true;
+    for (size_t i = 0; i < c->npieces; i++)
+        if (c->failed[i] && r->box_error[i] > 0.5 * tol * kn_largest_vector(&r->box[i], 0, 3)) return true;
+    return false;
+}
+
 static kn_status more_lines(kn_ctx *ctx, refinement *r, const candidate *c)
 {
+    if (below_rounding(r, c)) return give_up(ctx, r, "the tolerance is below what rounding leaves");
     size_t nu = (size_t)r->axes[0].ncuts - 1, nv = (size_t)r->axes[1].ncuts - 1;
     kn_mark mark = kn_scratch_mark(ctx);
     char *split[2] = {kn_scratch(ctx, nu, 1), kn_scratch(ctx, nv, 1)};
@@ -215,6 +226,8 @@ static kn_status more_lines(kn_ctx *ctx, refinement *r, const candidate *c)
         choose(r, c, split);
         status = split_axis(ctx, r, 0, split[0]);
         if (status == KN_OK) status = split_axis(ctx, r, 1, split[1]);
+        if (status == KN_OK && (size_t)r->axes[0].ncuts * (size_t)r->axes[1].ncuts > MOST_SPANS)
+            status = give_up(ctx, r, "more than a million");
         if (status == KN_OK) status = make_boxes(ctx, r);
     }
     kn_scratch_release(ctx, mark);

@@ -149,7 +149,7 @@ static kn_status make_directions(kn_ctx *ctx, kn_shell *s)
             return kn_fail(ctx, KN_EDOMAIN, "shell: the surface has no area on [%g, %g] x [%g, %g]", ku[0], ku[1],
                            kv[0], kv[1]);
         if (!regular)
-            return kn_fail(ctx, KN_EUNDEFINED, "shell: the surface has no normal at (%.9g, %.9g)",
+            return kn_fail(ctx, KN_EUNDEFINED, "shell: the surface has no normal at (%.6g, %.6g)",
                            ku[0] + at[0] * (ku[1] - ku[0]), kv[0] + at[1] * (kv[1] - kv[0]));
     }
     if (flat == s->nspans) return kn_fail(ctx, KN_EDOMAIN, "shell: the surface has zero area");

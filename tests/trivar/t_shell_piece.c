@@ -289,7 +289,8 @@ static void open_directions_extend(void **state)
     assert_true(fits && p.exact);
     piece_eval(ctx, t, &p, x, 0.5); // the cell [-1,-0.5] x [1.5,2]
     const double expected[3] = {2 * -0.75, 3 * 1.75, 1.5};
-    assert_true(test_max_difference(t, expected, 3) < 1e-14);
+    // rounding of n at most 3 cells away: (1 + 2 * 2)^3 (1 + 2 * 3)^3 times some 1e-16
+    assert_true(test_max_difference(t, expected, 3) < 1e-10);
     kn_shell_piece_clear(ctx, &p);
     kn_shell_destroy(ctx, shell);
     kn_spline_clear(ctx, &s);
