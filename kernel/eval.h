@@ -3,10 +3,11 @@
 //
 // In each variable a point lies in span [a,b] at x = (t - a) (1/(b - a)), exactly 1 at the end of the domain, and the
 // B-splines there are N_k = sum_r B_r(x) E_rk: Bernstein polynomials times the span's extraction matrix, whose
-// elements are blossoms, >= 0, with columns that add up to the right weights. The value is
+// elements are blossoms, >= 0, with rows that add up to 1. The value is
 // sum_k N_k (sum_j N_j (sum_i N_i c_ijk)), the first variable innermost, every sum in ascending order, no fused
 // multiply-add: all versions, on all machines, for batches cut anyhow, give the same bits.
-// Error: |computed - exact| <= gamma(sum_d 12 p_d + 6) max |c| over the control points that act, inside the domain.
+// Error: |computed - exact| <= gamma(sum_d (17 p_d + 3)) max |c| over the control points that act, inside the domain
+// (docs/numerics.md).
 #ifndef KERNEL_EVAL_H
 #define KERNEL_EVAL_H
 

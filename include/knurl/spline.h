@@ -22,13 +22,26 @@ typedef struct kn_spline {
     double *coef;
 } kn_spline;
 
+// Error bounds below: gamma(n) = n u / (1 - n u), u = 2^-53; p_d the degree in variable d; |a| the spline with the
+// absolute values of a's coefficients. Derivations: docs/numerics.md.
+//
+// Operands are splines that kn_spline_check accepts, or that knurl made; an empty operand is KN_EDOMAIN everywhere
+// but in clear, swap, copy and check. Outputs are initialised (possibly empty), overwritten, may be an operand, and
+// are unchanged by a call that fails. Every call that makes a spline may fail with KN_ENOMEM, and with KN_ELIMIT
+// beyond KN_MAX_COEFS.
+
 // ---- life ----
-// knots[d]: count[d] + degree[d] + 1 numbers, copied and checked as above. coef: copied; NULL means zeros.
+// *out = a spline with these numbers.
+// in:     knots[d]: count[d] + degree[d] + 1 numbers, copied and checked as above. coef: copied as it is; NULL:
+// zeros. out:    overwritten, not cleared; kn_spline_clear it. fails:  KN_EDOMAIN numbers out of range or knots that
+// break a rule (the message says which); KN_ELIMIT.
 KN_API KN_CHECKED kn_status kn_spline_init(kn_ctx *ctx, kn_spline *out, int nvars, int ncomp, bool rational,
                                            const int *degree, const int *count, const double *const *knots,
                                            const double *coef);
+// Frees the arrays of s, which becomes empty. An empty one is fine.
 KN_API void kn_spline_clear(kn_ctx *ctx, kn_spline *s);
 KN_API void kn_spline_swap(kn_spline *a, kn_spline *b);
+// out: initialised, its old contents freed.
 KN_API KN_CHECKED kn_status kn_spline_copy(kn_ctx *ctx, kn_spline *out, const kn_spline *a);
 // KN_OK, or KN_EDOMAIN / KN_ELIMIT with a message saying which rule above is broken (also: not finite, weight <= 0).
 KN_API KN_CHECKED kn_status kn_spline_check(kn_ctx *ctx, const kn_spline *s);
@@ -38,42 +51,122 @@ KN_API void kn_spline_domain(const kn_spline *s, int var, double *lo, double *hi
 // Non-empty knot intervals of variable var.
 KN_API int kn_spline_spans(const kn_spline *s, int var);
 // The box of the control points (projected when rational): dim numbers each. It contains the whole spline.
+// fails:  KN_EDOMAIN a weight that is not positive.
+// error:  exact; rational: gamma(1) of each end, by the division.
 KN_API KN_CHECKED kn_status kn_spline_box(kn_ctx *ctx, double *lo, double *hi, const kn_spline *s);
 
-// ---- values: parameters outside the domain extend the end pieces ----
+// ---- values: parameters outside the domain extend the end pieces; at a knot the right-hand piece counts ----
+// out = s(at), dim numbers, of a rational spline after division by the weight.
+// fails:  KN_EUNDEFINED the weight is zero there. A parameter that is not finite gives a value that is not.
+// error:  with E = sum_d (6 p_d + 1): gamma(E) sum |c_k| N_k for each component; rational, weights positive, inside
+//         the domain: gamma(2 E + 1) (sum |c_k| N_k) / (sum w_k N_k). Beyond the domain with the absolute values of
+//         the recurrence's factors. At the ends of the domain exact.
+// cost:   ncomp prod_d (p_d + 1) multiply-adds and sum_d p_d^2 divisions; no allocation.
+// source: Cox, de Boor; Piegl & Tiller, The NURBS Book, algorithms A2.1, A2.2.
 KN_API KN_CHECKED kn_status kn_spline_eval(kn_ctx *ctx, double *out, const kn_spline *s, const double *at);
+// npoints values: out[i*dim + c] at the point at[i*nvars .. i*nvars + nvars-1].
+// out:    not an input. Where the weight is zero a value that is not finite, and no failure. The same bits on every
+//         machine and for batches cut anyhow; kn_spline_eval sums in another order, so that last bits differ.
+// error:  polynomial, inside the domain: gamma(sum_d (17 p_d + 3)) max |c_k| over the control points that act.
+// cost:   in vectors where the machine has them (up to three variables); tables of prod_d count[d] * ncomp and
+//         sum_d spans * (p_d + 1)^2 numbers of scratch, made only where there are points enough to pay for them.
 KN_API KN_CHECKED kn_status kn_spline_eval_batch(kn_ctx *ctx, double *out, const kn_spline *s, size_t npoints,
                                                  const double *at);
+// All partial derivatives of total order <= order.
+// out:    kn_derivative_count(nvars, order) values of dim components each, in the order of kn_derivative_index.
+// fails:  KN_EDOMAIN order < 0; KN_ELIMIT order > KN_MAX_DEGREE or too many; KN_EUNDEFINED the weight is zero.
+// error:  polynomial: gamma(E), E as for kn_spline_eval, times the same sum with differences taken as sums of
+// absolute
+//         values. rational: as kn_bezier_derivatives.
+// cost:   count(nvars, order) values of kn_spline_eval at most.
 KN_API KN_CHECKED kn_status kn_spline_derivatives(kn_ctx *ctx, double *out, const kn_spline *s, const double *at,
                                                   int order);
 
-// ---- algebra: operands over equal domains; their knots are merged as the result's continuity asks ----
+// ---- algebra: operands over equal domains, bit for bit (else KN_EDOMAIN) ----
+// Knots of the two operands are one knot where they are equal bit for bit. A polynomial beside a rational operand has
+// the weight 1. KN_ELIMIT when a degree of the result passes KN_MAX_DEGREE or its components KN_MAX_COMPS.
+
+// out = a + b, of equal dimension.
+// out:    polynomial, or with the same weights on the same knots: the higher degree in each variable, and each knot
+// as
+//         often as the continuity of the rougher operand asks. Otherwise over the product of the weights, with
+//         degrees and knots as for a product.
+// error:  polynomial: gamma(1 + e) (|a| + |b|)_k, e the roundings of elevation and knot insertion. Otherwise as a
+// product.
 KN_API KN_CHECKED kn_status kn_spline_sum(kn_ctx *ctx, kn_spline *out, const kn_spline *a, const kn_spline *b);
+// out = a * b, component by component; an operand of dimension 1 multiplies every component. Weights multiply.
+// out:    degrees p + q; a knot that a has m times (0: not at all) and b has n times stays
+//         p + q - min(p - m, q - n) times, the least that the product's continuity allows (a missing knot: no limit).
+// fails:  KN_EDOMAIN dimensions differ and neither is 1.
+// error:  J gamma(T + 3 nvars + sum_d (12 (p_d + q_d) + 3)) max |a| max |b|, T terms in a coefficient's sum, J the
+//         growth on the way back to few knots (kn_spline_from_bezier).
+// cost:   for each box of the merged knots that of kn_bezier_product, and the pieces of both operands and of the
+// result. source: by Bezier pieces; the knots: Morken, Some identities for products and degree raising of splines,
+//         Constr. Approx. 7 (1991).
 KN_API KN_CHECKED kn_status kn_spline_product(kn_ctx *ctx, kn_spline *out, const kn_spline *a, const kn_spline *b);
+// out = sum_c a_c b_c, of dimension 1, for equal dimensions (else KN_EDOMAIN). All else as for a product.
 KN_API KN_CHECKED kn_status kn_spline_dot(kn_ctx *ctx, kn_spline *out, const kn_spline *a, const kn_spline *b);
+// out = a x b, both of dimension 3 (else KN_EDOMAIN). All else as for a product.
 KN_API KN_CHECKED kn_status kn_spline_cross(kn_ctx *ctx, kn_spline *out, const kn_spline *a, const kn_spline *b);
+// out = the partial derivative of a in variable var.
+// out:    polynomial: one degree less in var (0 stays 0, and the coefficients become 0), every knot as often as
+// before
+//         but at most degree + 1 times. rational: over the square of the weight, all degrees double.
+// fails:  KN_EDOMAIN var.
+// error:  polynomial: gamma(4) |p (c_i+1 - c_i) / (t_i+p+1 - t_i+1)| with the sum of absolute values for the
+// difference.
 KN_API KN_CHECKED kn_status kn_spline_derivative(kn_ctx *ctx, kn_spline *out, const kn_spline *a, int var);
+// out = a with degree[d] in variable d; each knot as much more often as the degree rises.
+// fails:  KN_EDOMAIN a degree below a's; KN_ELIMIT.
+// error:  convex combinations: gamma(7 p + 2) for each step from p to p + 1, times max |c| over those that act.
+// cost:   each step: prod count * (p + 1) multiply-adds, and p^3 for each coefficient of that variable.
+// source: by blossoms (Ramshaw, Blossoms are polar forms, CAGD 6, 1989); Prautzsch, CAGD 1 (1984).
 KN_API KN_CHECKED kn_status kn_spline_elevate(kn_ctx *ctx, kn_spline *out, const kn_spline *a, const int *degree);
 
 // ---- pieces ----
 // Inserts n knots (any order, repeated for multiplicity) into variable var; the function is unchanged.
+// fails:  KN_EDOMAIN var, n < 0, a knot that is not inside the domain, or more than degree + 1 equal ones.
+// error:  convex combinations without any cancellation: gamma(6 p + 1) sum_k |w_ik c_k|. Coefficients that no new
+// knot
+//         concerns stay bit for bit.
+// cost:   ncomp prod count * (p + 1) multiply-adds, and p^2 for each coefficient of that variable.
+// source: the Oslo algorithm, by blossoms; Lyche & Morken, Making the Oslo algorithm more efficient, SINUM 23 (1986).
 KN_API KN_CHECKED kn_status kn_spline_insert_knots(kn_ctx *ctx, kn_spline *out, const kn_spline *a, int var,
                                                    const double *knots, int n);
+// left and right of `at` in variable var, each over its part of the domain.
+// out:    two different splines; one of them may be a.
+// fails:  KN_EDOMAIN var, or `at` not inside the domain. error, cost: as knot insertion.
 KN_API KN_CHECKED kn_status kn_spline_subdivide(kn_ctx *ctx, kn_spline *left, kn_spline *right, const kn_spline *a,
                                                 int var, double at);
-// out = a over the sub-box [lo,hi], lo < hi; a box beyond the domain extends the end pieces.
+// out = a over the sub-box [lo,hi]; a box beyond the domain extends the end pieces.
+// out:    its domain is the box, and its knots inside it are those of a.
+// fails:  KN_EDOMAIN not lo < hi, not finite.
+// error:  inside the domain as knot insertion; beyond it with the absolute values of the recurrence's factors.
 KN_API KN_CHECKED kn_status kn_spline_restrict(kn_ctx *ctx, kn_spline *out, const kn_spline *a, const double *lo,
                                                const double *hi);
-// The Bezier pieces, one for each box of non-empty knot intervals: *pieces is an array of *npieces, the last variable
-// fastest, to be cleared one by one and freed with kn_free. Neighbours share their common coefficients bit for bit.
+// The Bezier pieces, one for each box of non-empty knot intervals.
+// out:    *pieces is an array of *npieces, the last variable fastest, to be cleared one by one and freed with
+// kn_free.
+//         Neighbours share their common coefficients bit for bit (where the spline is continuous).
+// error:  as knot insertion in each variable.
 KN_API KN_CHECKED kn_status kn_spline_to_bezier(kn_ctx *ctx, kn_bezier **pieces, size_t *npieces, const kn_spline *a);
 // The way back: pieces of one shape on the grid of breaks[d][0 .. nbreaks[d]-1] (increasing), last variable fastest,
 // that agree to order continuity[d] (-1 .. degree-1) at every interior break of variable d; the knots there get
-// multiplicity degree - continuity. Coefficients that this determines twice are taken from the lower piece.
+// multiplicity degree - continuity.
+// out:    a coefficient is the blossom of one piece at degree neighbouring knots, of all pieces in its support the
+// one
+//         whose weights have the smallest sum of absolute values, the lowest of equals; that the others agree is
+//         not checked. Coefficients that one piece has already are copied bit for bit.
+// fails:  KN_EDOMAIN shapes differ, breaks, continuity; KN_ELIMIT.
+// error:  in each variable gamma(6 p + 1) J max |c|, and errors of the pieces grow by J, the largest such sum. On
+// equal
+//         spans J = 1 at continuity 0 and for C1 quadratics, 3 for C2 cubics, 9 and 45 for quartics and quintics of
+//         the highest continuity; it grows with uneven spans.
 KN_API KN_CHECKED kn_status kn_spline_from_bezier(kn_ctx *ctx, kn_spline *out, const kn_bezier *pieces,
                                                   const int *nbreaks, const double *const *breaks,
                                                   const int *continuity);
-KN_API KN_CHECKED kn_status kn_spline_of_bezier(kn_ctx *ctx, kn_spline *out, const kn_bezier *a); // over [0,1]^n
+// The piece as a spline over [0,1]^nvars, exactly; an empty one gives an empty one. fails: KN_EDOMAIN nvars 0.
+KN_API KN_CHECKED kn_status kn_spline_of_bezier(kn_ctx *ctx, kn_spline *out, const kn_bezier *a);
 
 #ifdef __cplusplus
 }
