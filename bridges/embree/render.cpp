@@ -91,7 +91,7 @@ vec smooth_point(vec p, const vec corner[3], const vec normal[3], const float we
     return out;
 }
 
-void fill_hit(const tracer &t, hit *h, const RTCHit &from, vec origin, vec d)
+void fill_hit(const tracer &t, hit *h, const RTCHit &from, vec d)
 {
     const shape &s = t.shapes[from.geomID];
     const uint32_t *index = s.triangle + 3 * static_cast<size_t>(from.primID);
@@ -110,12 +110,12 @@ void fill_hit(const tracer &t, hit *h, const RTCHit &from, vec origin, vec d)
         if (dot(normal[k], face) < 0.0f) normal[k] = -normal[k];
         sum = sum + weight[k] * normal[k];
     }
+    if (!(dot(sum, sum) > 1e-6f)) return; // normals that cancel, or are not numbers
     vec n = normalize(sum);
     float away = dot(n, d); // a shading normal that the viewer could not see is bent until he does
     if (away > -0.02f) n = normalize(n - (away + 0.02f) * d);
     h->normal = n;
     h->origin = smooth_point(p, corner, normal, weight) + epsilon * face;
-    (void)origin;
 }
 
 hit intersect(const tracer &t, vec origin, vec d)
@@ -131,7 +131,7 @@ hit intersect(const tracer &t, vec origin, vec d)
     hit h = {};
     h.distance = r.ray.tfar;
     if (r.hit.geomID != RTC_INVALID_GEOMETRY_ID) {
-        fill_hit(t, &h, r.hit, origin, d);
+        fill_hit(t, &h, r.hit, d);
         return h;
     }
     h.distance = d.z < -1e-6f ? (t.ground - origin.z) / d.z : far_away;
@@ -223,7 +223,7 @@ vec follow(const tracer &t, hit h, vec d, const sampler &points, uint32_t pair, 
         if (next.item < 0) break;
         h = next;
     }
-    return sum;
+    return luminance(sum) < far_away ? sum : vec{0.0f, 0.0f, 0.0f}; // not a number: one would spread
 }
 
 // One sample of the ground: a light, and a direction of the dome that the object may stand in.
@@ -276,7 +276,7 @@ void trace_pixel(const tracer &t, int x, int y)
     pixel px = {};
     float sum = 0.0f, squares = 0.0f, variance = 0.0f, n = 0.0f;
     for (int i = 0; i < t.samples; i++) {
-        bool plain = px.ground == n && n >= 16.0f,
+        bool plain = px.ground == n && n >= 8.0f,
              sure = px.ground == 0.0f && variance < enough * enough && n >= 16.0f;
         if (i % 8 == 0 && (plain || sure)) break;
         float before = luminance(px.object);

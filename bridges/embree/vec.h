@@ -57,7 +57,7 @@ inline float luminance(vec c)
 }
 inline float clamp(float x, float lo, float hi)
 {
-    return x < lo ? lo : (x > hi ? hi : x);
+    return x > lo ? (x < hi ? x : hi) : lo; // lo when x is not a number
 }
 inline float smoothstep(float lo, float hi, float x)
 {
