@@ -85,6 +85,8 @@ typedef struct kn_job_measure {
     double bend[2];
 } kn_job_measure;
 kn_status kn_job_measure_surface(kn_ctx *ctx, kn_job_measure *out, const kn_spline *surface);
+// The distance of p from the line through a and b.
+double kn_job_off_chord(const double *p, const double *a, const double *b);
 double kn_job_mean_length(const kn_job_measure *m, int along);
 
 // ---- job_counts.c ----

@@ -111,15 +111,15 @@ static kn_status measure_chord(kn_ctx *ctx, double *chord, const kn_bezier *patc
         at[2 * i + 1] = (double)(i % n) / (double)(n - 1);
     }
     if (status == KN_OK) status = kn_bezier_eval_batch(ctx, p, patch, n * n, at);
+    for (size_t i = 0; status == KN_OK && i < n * n; i++) {
+        p[3 * i] *= cell;
+        p[3 * i + 1] *= cell;
+    }
     *chord = 0.0;
     for (size_t i = 0; status == KN_OK && i < n * n; i++) {
         // Ends of the edge whose middle is point i: along r, along t, or the diagonal; corners are none.
         size_t odd_r = (i / n) % 2, odd_t = (i % n) % 2, step = odd_r * n + odd_t;
-        if (step == 0) continue;
-        const double *a = p + 3 * (i - step), *b = p + 3 * (i + step), *m = p + 3 * i;
-        double du = cell * (m[0] - (a[0] + b[0]) / 2.0), dv = cell * (m[1] - (a[1] + b[1]) / 2.0);
-        double dw = m[2] - (a[2] + b[2]) / 2.0;
-        *chord = fmax(*chord, sqrt(du * du + dv * dv + dw * dw));
+        if (step != 0) *chord = fmax(*chord, kn_job_off_chord(p + 3 * i, p + 3 * (i - step), p + 3 * (i + step)));
     }
     kn_scratch_release(ctx, mark);
     return status;

@@ -11,16 +11,24 @@ static double distance(const double *p, const double *q)
     return sqrt((p[0] - q[0]) * (p[0] - q[0]) + (p[1] - q[1]) * (p[1] - q[1]) + (p[2] - q[2]) * (p[2] - q[2]));
 }
 
-// The polygon through n + 1 points: its length, and the largest second difference, which is |S''| / n^2; a curve with
-// |S''| over a unit interval is |S''| / 8 from its chord.
+double kn_job_off_chord(const double *p, const double *a, const double *b)
+{
+    double u[3] = {b[0] - a[0], b[1] - a[1], b[2] - a[2]}, v[3] = {p[0] - a[0], p[1] - a[1], p[2] - a[2]};
+    double length = u[0] * u[0] + u[1] * u[1] + u[2] * u[2];
+    double t = length > 0.0 ? (u[0] * v[0] + u[1] * v[1] + u[2] * v[2]) / length : 0.0;
+    const double foot[3] = {t * u[0], t * u[1], t * u[2]};
+    return distance(v, foot);
+}
+
+// The polygon through n + 1 points: its length, and its bend. Over two of n steps a curve is (2/n)^2 of what it would
+// be over the whole from its chord, if it went on bending as it does there.
 static void measure_polygon(double *length, double *bend, const double *p, int n)
 {
     *length = 0.0;
     for (int i = 0; i < n; i++) *length += distance(p + 3 * i, p + 3 * (i + 1));
     for (int i = 1; i < n; i++) {
-        const double *a = p + 3 * (i - 1);
-        double twice[3] = {2.0 * a[3] - a[6], 2.0 * a[4] - a[7], 2.0 * a[5] - a[8]};
-        *bend = fmax(*bend, distance(a, twice) * n * n / 8.0);
+        double height = kn_job_off_chord(p + 3 * i, p + 3 * (i - 1), p + 3 * (i + 1));
+        *bend = fmax(*bend, height * n * n / 4.0);
     }
 }
 

@@ -29,3 +29,22 @@ void kn_tile_clear(kn_ctx *ctx, kn_tile *tile)
     kn_free(ctx, tile->parts);
     *tile = (kn_tile){0};
 }
+
+kn_status kn_tile_add(kn_ctx *ctx, kn_tile *tile, int part, const kn_spline *surface)
+{
+    if (part < 0 || part >= tile->nparts) return kn_fail(ctx, KN_EDOMAIN, "tile: part %d of %d", part, tile->nparts);
+    kn_tile_part *to = &tile->parts[part];
+    size_t n = (size_t)to->nsurfaces;
+    kn_spline copy = {0}, *list = kn_alloc(ctx, n + 1, sizeof *list);
+    kn_status status = list ? kn_spline_copy(ctx, &copy, surface) : KN_ENOMEM;
+    if (status != KN_OK) {
+        kn_free(ctx, list);
+        return status;
+    }
+    for (size_t i = 0; i < n; i++) list[i] = to->surfaces[i];
+    list[n] = copy;
+    kn_free(ctx, to->surfaces);
+    to->surfaces = list;
+    to->nsurfaces++;
+    return KN_OK;
+}

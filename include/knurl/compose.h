@@ -37,6 +37,8 @@ typedef struct kn_tile {
 // Allocates nparts empty parts. Everything in a tile belongs to it.
 KN_API KN_CHECKED kn_status kn_tile_init(kn_ctx *ctx, kn_tile *out, const char *name, int nparts);
 KN_API void kn_tile_clear(kn_ctx *ctx, kn_tile *tile);
+// Appends a copy of the surface to a part. fails: KN_EDOMAIN no such part, KN_ENOMEM; the tile is then unchanged.
+KN_API KN_CHECKED kn_status kn_tile_add(kn_ctx *ctx, kn_tile *tile, int part, const kn_spline *surface);
 // KN_OK, or KN_EDOMAIN naming the part and surface that is no polynomial (u,v,w) surface, not finite or of zero area.
 KN_API KN_CHECKED kn_status kn_tile_check(kn_ctx *ctx, const kn_tile *tile);
 // Quarter turns of the (u,v) cell about its centre, counterclockwise.
