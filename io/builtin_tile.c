@@ -28,7 +28,7 @@ static const tile_source SOURCES[] = {
     {"chain",
      "chain mail: a flat ring in each cell, joined to all four neighbours by upright links",
      false,
-     0.59375,
+     0.5,
      2,
      {{"ring", {{1.0, 0.71, 0.29}, 1.0, 0.16}}, {"link", {{0.95, 0.56, 0.38}, 1.0, 0.2}}}},
     {"scale",

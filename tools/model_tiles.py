@@ -70,8 +70,8 @@ class Surface:
 
 # ---- chain: Japanese four-in-one mail: flat rings joined by upright links ----
 
-CHAIN = dict(ring=0.375, wire=0.0859375, link=(0.34375, 0.21875), link_wire=0.078125)
-CHAIN_ASPECT = 0.59375  # twice the link's half height, wire included
+CHAIN = dict(ring=0.3984375, wire=0.078125, link=(0.296875, 0.1875), link_wire=0.0625)
+CHAIN_ASPECT = 0.5  # twice the link's half height, wire included
 
 
 def square(a):
