@@ -33,11 +33,21 @@ typedef struct kn_shell_options {
 
 KN_API kn_shell_options kn_shell_defaults(void);
 
-// The shell of a surface (nvars 2, dim 3, polynomial or rational), which is copied. n is a spline of degree 3 .. 5,
-// C2 or smoother wherever S is C3 or smoother, whose knots contain the cell lines and more lines where the tolerance
-// asks for them; an edge of S that is collapsed to a point is divided out of N exactly first.
-// fails: KN_EDOMAIN (shapes, lines, a surface of zero area: the message says which), KN_EUNDEFINED (no normal at some
-//        point: the message names it), KN_EUNDECIDED (normal_tol not met within max_spans), KN_ELIMIT, KN_ENOMEM.
+// The shell of a surface (nvars 2, dim 3, polynomial or rational), which is copied. n is a spline of degrees 3 ..
+// max_degree in each variable, the lowest that do, C2 or smoother wherever S is C3 or smoother, whose knots contain
+// the cell lines and more lines where the tolerance asks for them. It interpolates N/|N|, so that its coefficients
+// along an edge depend on N and on the knots along that edge alone. An edge of S that is collapsed to a point is
+// divided out of N exactly first. At a knot where S is C1 or less n is joined if both sides agree, and else it jumps
+// there. out:    *out is the caller's: kn_shell_destroy. A shell is never written to afterwards: any number of
+// threads may
+//         use it, each with a context of its own.
+// fails:  KN_EDOMAIN (shapes, options, lines, a surface of zero area: the message says which), KN_EUNDEFINED (no
+// normal
+//         at some point: the message names it), KN_EUNDECIDED (normal_tol not met within max_spans, or below about
+//         1e-12, what rounding leaves), KN_ELIMIT (more cells than max_spans, max_degree above 12), KN_ENOMEM.
+// error:  kn_shell_certificate bounds the whole of it.
+// cost:   about 20 us for each span of n and round of refinement; a patch of the Utah teapot at 1e-6: 3 to 150 ms.
+// source: Elber 2005, sidebar "Unit Normal Field Approximation"; de Boor & Pinkus, Numer. Math. 27 (1977).
 KN_API KN_CHECKED kn_status kn_shell_create(kn_ctx *ctx, kn_shell **out, const kn_spline *surface,
                                             const kn_shell_options *options);
 KN_API void kn_shell_destroy(kn_ctx *ctx, kn_shell *shell);
@@ -50,15 +60,20 @@ KN_API void kn_shell_cells(const kn_shell *shell, int cells[2]);
 KN_API void kn_shell_closed(const kn_shell *shell, bool closed[2]);
 
 // T at (u,v) in S's parameters and signed height w in S's length unit. jacobian, when not NULL, receives the 3 x 3
-// matrix dT/d(u,v,w), row by row.
+// matrix dT/d(u,v,w), row by row. Beyond the domain the end pieces of S and of n go on.
+// fails: KN_EDOMAIN (not finite), KN_ENOMEM; outputs unchanged. error: as kn_spline_derivatives, of S plus |w| of n.
 KN_API KN_CHECKED kn_status kn_shell_eval(kn_ctx *ctx, double point[3], double *jacobian, const kn_shell *shell,
                                           double u, double v, double w);
 // The true unit normal of S at (u,v), by direct evaluation (poles divided out), without the fitted spline.
+// fails: KN_EDOMAIN (not finite), KN_EUNDEFINED (none there, which can happen beyond the domain alone); unchanged.
 KN_API KN_CHECKED kn_status kn_shell_unit_normal(kn_ctx *ctx, double normal[3], const kn_shell *shell, double u,
                                                  double v);
 
 // Bounds of det dT/d(u,v,w) over the cells for w in [w0,w1]: *lo <= det <= *hi, rounding included (source: J is a
-// quadratic in w with coefficients that are splines over (u,v)). The unit: length^3 per parameter^2 length.
+// quadratic in w with coefficients that are splines over (u,v)). The unit: length^3 per parameter^2 length. The
+// bounds lie within about 2 % of the range outside the true ones; at a pole det is 0 and lo is 0 less the rounding.
+// fails: KN_EDOMAIN (w0 > w1, not finite), KN_ELIMIT (degree 4 p + 3 degree of n above KN_MAX_DEGREE for a rational S
+//        of degree p), KN_ENOMEM; outputs unchanged. cost: about 100 us for each span of n.
 KN_API KN_CHECKED kn_status kn_shell_jacobian_bounds(kn_ctx *ctx, double *lo, double *hi, const kn_shell *shell,
                                                      double w0, double w1);
 
@@ -78,7 +93,13 @@ typedef struct kn_shell_piece {
 // of S in its interior (KN_EDOMAIN). i or j outside 0 .. cells-1 wraps in closed directions and extends in open ones.
 // Where n has knots inside the box, *fits tells whether one polynomial of degrees (a,b), a + b <= degree_sum, meets
 // normal_tol over the whole box; if none does, *fits is false, out is unchanged, and the caller may try smaller
-// boxes.
+// boxes. Those tried are interpolants at Chebyshev-Lobatto sites, of degrees that the normal's Chebyshev coefficients
+// along three lines each way suggest, and up. Boxes beyond the domain keep n's end piece when that is still within
+// normal_tol, and else get a stand-in. A box wholly beyond the seam of a closed direction is taken from the other
+// end. out:   overwritten, not cleared: kn_shell_piece_clear. Neighbouring whole cells that are exact share the
+//        coefficients of their common edge bit for bit.
+// fails: KN_EDOMAIN (lo >= hi, not finite, a knot of S inside), KN_ENOMEM; out and *fits unchanged.
+// cost:  exact: some us; a stand-in of degrees (5,5) on a bicubic: about 100 us.
 KN_API KN_CHECKED kn_status kn_shell_piece_init(kn_ctx *ctx, kn_shell_piece *out, bool *fits, const kn_shell *shell,
                                                 const int cell[2], const double lo[2], const double hi[2],
                                                 int degree_sum);
