@@ -12,8 +12,11 @@ mkdir -p "$folder/tmp"
 run_one()
 {
     log=$1/$(basename "$(dirname "$2")").$(basename "$2").log
-    KN_TEST_TMP=$1/tmp CMOCKA_MESSAGE_OUTPUT=TAP timeout --kill-after=5 "${KN_TEST_TIMEOUT:-180}" "$2" >"$log" 2>&1
+    KN_TEST_TMP=$1/tmp CMOCKA_MESSAGE_OUTPUT=TAP timeout --kill-after=5 "${KN_TEST_TIMEOUT:-180}" "$2" >"$log" 2>&1 &
+    group=$! # timeout leads a process group
+    wait $group
     printf '\nrun.sh: exit %d\n' $? >>"$log"
+    kill -KILL -- -$group 2>/dev/null # what a program that was stopped left running
 }
 export -f run_one
 folder=$(cd "$folder" && pwd)
