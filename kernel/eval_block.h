@@ -18,4 +18,6 @@ static inline int kn_eval_bucket(const kn_eval_axis *a, double t)
     return (int)(z < last ? z : last);
 }
 
+void kn_eval_sse2(double *out, const kn_eval_plan *plan, size_t npoints, const double *at);
+
 #endif
