@@ -23,7 +23,7 @@ static kn_status merge(kn_ctx *ctx, double *to, const kn_spline *a, int var, con
             return kn_fail(ctx, KN_EDOMAIN, "spline_insert_knots: knot %g is not inside (%g, %g)", knots[i], have[0],
                            have[old - 1]);
     memcpy(to, have, (size_t)old * sizeof *to);
-    memcpy(to + old, knots, (size_t)n * sizeof *to);
+    for (int i = 0; i < n; i++) to[old + i] = knots[i];
     qsort(to, (size_t)(old + n), sizeof *to, by_value);
     const char *fault = kn_knots_fault(to, a->degree[var], a->count[var] + n);
     return fault ? kn_fail(ctx, KN_EDOMAIN, "spline_insert_knots: %s", fault) : KN_OK;
