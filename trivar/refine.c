@@ -167,9 +167,12 @@ static double spline_factor(int degree, int spans)
     return 8.0 / pi * pow((degree + 1) / pi * spans / (spans + degree), degree + 1);
 }
 
-// split[v]: for each interval of variable v, whether it is to be halved.
-static void choose(const refinement *r, const candidate *c, char *const split[2])
+// split[v]: for each interval of variable v, whether it is to be halved. Errors of a smooth spline spread from the
+// span that causes them to its neighbours: a failed span that its own share does not explain is left for the next
+// round, unless no span is to blame.
+static size_t choose(const refinement *r, const candidate *c, char *const split[2], bool to_blame_only)
 {
+    size_t chosen = 0;
     const double little = 0.1; // of the other variable's share: whether that much is true shows in the next round
     double half = 0.5 * r->shell->normal_tol, weight[2];
     for (int v = 0; v < 2; v++) weight[v] = spline_factor(r->max_degree, r->axes[v].ncuts - 1);
@@ -178,9 +181,12 @@ static void choose(const refinement *r, const candidate *c, char *const split[2]
         if (!c->failed[i]) continue;
         double u = left_over(&r->box[i], r->max_degree, 0), v = left_over(&r->box[i], r->max_degree, 1);
         double eu = u * weight[0], ev = v * weight[1];
+        if (to_blame_only && eu <= half && ev <= half) continue;
+        chosen++;
         if (!(eu <= half || eu <= little * ev) || eu >= ev) split[0][i / nv] = 1;
         if (!(ev <= half || ev <= little * eu) || ev > eu) split[1][i % nv] = 1;
     }
+    return chosen;
 }
 
 static kn_status give_up(kn_ctx *ctx, const refinement *r, const char *why)
@@ -223,7 +229,7 @@ static kn_status more_lines(kn_ctx *ctx, refinement *r, const candidate *c)
     if (status == KN_OK) {
         memset(split[0], 0, nu);
         memset(split[1], 0, nv);
-        choose(r, c, split);
+        if (choose(r, c, split, true) == 0) (void)choose(r, c, split, false);
         status = split_axis(ctx, r, 0, split[0]);
         if (status == KN_OK) status = split_axis(ctx, r, 1, split[1]);
         if (status == KN_OK && (size_t)r->axes[0].ncuts * (size_t)r->axes[1].ncuts > MOST_SPANS)
