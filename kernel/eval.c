@@ -7,7 +7,7 @@
 
 const char *kn_eval_level_name(kn_eval_level level)
 {
-    static const char *const names[] = {"plain", "SSE2", "AVX2", "AVX-512"};
+    static const char names[][8] = {"plain", "SSE2", "AVX2", "AVX-512"};
     return level < KN_EVAL_LEVELS ? names[level] : "?";
 }
 
