@@ -23,7 +23,7 @@ using namespace knr;
 constexpr float epsilon = 2e-5f; // ray offsets, in radii of the object
 constexpr float far_away = 1e30f;
 constexpr float indirect_limit = 2.5f; // luminance of one bounce's contribution: above it are fireflies
-constexpr float enough = 0.012f;       // standard error at which a pixel is done
+constexpr float enough = 0.010f;       // standard error at which a pixel is done
 constexpr float ground_limit = 0.6f;   // and of the object's light on the ground
 
 // One item as the tracer sees it. position has room for Embree's 16-byte loads behind the last vertex.
@@ -277,7 +277,7 @@ void trace_pixel(const tracer &t, int x, int y)
     float sum = 0.0f, squares = 0.0f, variance = 0.0f, n = 0.0f;
     for (int i = 0; i < t.samples; i++) {
         bool plain = px.ground == n && n >= 8.0f,
-             sure = px.ground == 0.0f && variance < enough * enough && n >= 16.0f;
+             sure = px.ground == 0.0f && variance < enough * enough && n >= 8.0f;
         if (i % 8 == 0 && (plain || sure)) break;
         float before = luminance(px.object);
         points.index = static_cast<uint32_t>(i);
@@ -556,7 +556,7 @@ kn_status check_options(kn_ctx *ctx, kn_render_options *o)
     if (o->up != KN_UP_Z && o->up != KN_UP_Y) return kn_fail(ctx, KN_EDOMAIN, "render: up axis %d", o->up);
     if (o->width == 0) o->width = 1600;
     if (o->height == 0) o->height = 1200;
-    if (o->samples == 0) o->samples = 24;
+    if (o->samples == 0) o->samples = 16;
     if (o->bounces == 0) o->bounces = 4;
     if (o->elevation == 0.0) o->elevation = 18.0;
     if (o->fov == 0.0) o->fov = 24.0;
