@@ -32,7 +32,7 @@ AR ?= ar
 
 # Bit-identical results between compilers and optimisation levels: no contraction, no fast-math, no -march.
 COMMON := -Wall -Wextra -Werror -ffp-contract=off -fvisibility=hidden -fPIC -pthread -g
-WARN_C := -std=c17 -Wpedantic -Wshadow -Wconversion
+WARN_C := -std=c17 -Wpedantic -Wshadow -Wconversion -Wmissing-prototypes
 WARN_CXX := -std=c++17
 CPP := -Iinclude -I. -D_POSIX_C_SOURCE=200809L
 OPT_release := -O3 -DNDEBUG

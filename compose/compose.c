@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // kn_bezier_compose: outer(inner) by symbolic expansion.
+#include <knurl/compose.h>
+
 #include "compose/basis.h"
 
 #include <string.h>
