@@ -38,6 +38,7 @@ static kn_status open_temporary(kn_ctx *ctx, kn_out_file *file)
 static kn_status open_stream(kn_ctx *ctx, kn_out_file *file)
 {
     struct stat there;
+    if (file->path[0] == '\0') return kn_fail_io(ctx, "\"\"", "cannot create", ENOENT);
     bool exists = stat(file->path, &there) == 0;
     if (exists && S_ISDIR(there.st_mode)) return kn_fail_io(ctx, file->path, "cannot create", EISDIR);
     if (!exists || S_ISREG(there.st_mode)) return open_temporary(ctx, file);
