@@ -18,38 +18,42 @@ typedef struct part_source {
 
 typedef struct tile_source {
     const char *name, *about;
-    bool covering;
     double aspect; // as in tools/model_tiles.py
-    int nparts;
     part_source part[MAX_PARTS];
+    int nparts;
+    bool covering;
 } tile_source;
 
 static const tile_source SOURCES[] = {
-    {"chain",
-     "chain mail: a flat ring in each cell, joined to all four neighbours by upright links",
-     false,
-     0.5,
-     2,
-     {{"ring", {{1.0, 0.71, 0.29}, 1.0, 0.22}}, {"link", {{0.96, 0.64, 0.49}, 1.0, 0.26}}}},
-    {"scale",
-     "overlapping scales with a ridge, two staggered rows in each cell, tips towards +v",
-     true,
-     0.3125,
-     1,
-     {{"scale", {{0.04, 0.27, 0.19}, 0.25, 0.28}}}},
-    {"thorn",
-     "a smooth sheet out of which one bent thorn grows, leaning towards +u",
-     true,
-     0.75,
-     1,
-     {{"thorn", {{0.42, 0.28, 0.14}, 0.0, 0.4}}}},
-    {"knurl",
-     "diamond knurling: pyramids with flattened crests between crossing V grooves",
-     true,
-     0.1875,
-     1,
-     {{"knurl", {{0.55, 0.56, 0.58}, 1.0, 0.32}}}},
-    {"bump", "one smooth dome in each cell", true, 0.25, 1, {{"bump", {{0.5, 0.05, 0.03}, 0.0, 0.25}}}},
+    {.name = "chain",
+     .about = "chain mail: a flat ring in each cell, joined to all four neighbours by upright links",
+     .aspect = 0.5,
+     .part = {{"ring", {{1.0, 0.71, 0.29}, 1.0, 0.22}}, {"link", {{0.96, 0.64, 0.49}, 1.0, 0.26}}},
+     .nparts = 2},
+    {.name = "scale",
+     .about = "overlapping scales with a ridge, two staggered rows in each cell, tips towards +v",
+     .aspect = 0.3125,
+     .part = {{"scale", {{0.04, 0.27, 0.19}, 0.25, 0.28}}},
+     .nparts = 1,
+     .covering = true},
+    {.name = "thorn",
+     .about = "a smooth sheet out of which one bent thorn grows, leaning towards +u",
+     .aspect = 0.75,
+     .part = {{"thorn", {{0.42, 0.28, 0.14}, 0.0, 0.4}}},
+     .nparts = 1,
+     .covering = true},
+    {.name = "knurl",
+     .about = "diamond knurling: pyramids with flattened crests between crossing V grooves",
+     .aspect = 0.1875,
+     .part = {{"knurl", {{0.55, 0.56, 0.58}, 1.0, 0.32}}},
+     .nparts = 1,
+     .covering = true},
+    {.name = "bump",
+     .about = "one smooth dome in each cell",
+     .aspect = 0.25,
+     .part = {{"bump", {{0.5, 0.05, 0.03}, 0.0, 0.25}}},
+     .nparts = 1,
+     .covering = true},
 };
 
 enum { SOURCE_COUNT = sizeof SOURCES / sizeof *SOURCES };

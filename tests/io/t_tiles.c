@@ -48,9 +48,9 @@ static void unload(kn_ctx *ctx, loaded *l)
 
 // An edge of a patch, run counterclockwise round its parameter square.
 typedef struct edge {
-    int patch, side, n; // n control points; side 0: t = 0, 1: r = 1, 2: t = 1, 3: r = 0
     double p[3][3];
-    int mate; // the edge that it is joined to
+    int patch, side, n; // n control points; side 0: t = 0, 1: r = 1, 2: t = 1, 3: r = 0
+    int mate;           // the edge that it is joined to
 } edge;
 
 static void parameters(double at[2], int side, double s)
@@ -435,11 +435,19 @@ typedef struct cloud {
     double p[16][SAMPLES][3];
 } cloud;
 
+// The parameters of sample s of a patch.
+static void sample_at(double at[2], int s)
+{
+    int i = s / SIDE, j = s % SIDE;
+    at[0] = i / (SIDE - 1.0), at[1] = j / (SIDE - 1.0);
+}
+
 static void sample(kn_ctx *ctx, cloud *c, const body *b, double aspect)
 {
     for (int k = 0; k < b->n; k++)
         for (int s = 0; s < SAMPLES; s++) {
-            double at[2] = {(s / SIDE) / (SIDE - 1.0), (s % SIDE) / (SIDE - 1.0)};
+            double at[2];
+            sample_at(at, s);
             point(ctx, c->p[k][s], b, k, at, aspect);
         }
 }
@@ -485,8 +493,8 @@ static double clearance(kn_ctx *ctx, const body *a, const body *b, double aspect
                     double d = distance(c[0].p[i][s], c[1].p[j][t]);
                     if (d >= best) continue;
                     best = d;
-                    x[0] = (s / SIDE) / (SIDE - 1.0), x[1] = (s % SIDE) / (SIDE - 1.0);
-                    x[2] = (t / SIDE) / (SIDE - 1.0), x[3] = (t % SIDE) / (SIDE - 1.0);
+                    sample_at(x, s);
+                    sample_at(x + 2, t);
                 }
             if (best < NEAR) best = refine(ctx, a, i, b, j, x, aspect);
             least = fmin(least, best);

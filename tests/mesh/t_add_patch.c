@@ -62,7 +62,8 @@ static void a_rectangle_is_exact(void **state)
     assert_int_equal(mesh.ntriangles, 16 + 4);
     for (size_t i = 0; i < 15; i++) {
         const double *x = mesh.position + 3 * i, *n = mesh.normal + 3 * i;
-        assert_true(x[0] == 0.75 * (double)(i / 3) && x[1] == 2.5 * (double)(i % 3) && x[2] == 7.0);
+        size_t row = i / 3, column = i % 3;
+        assert_true(x[0] == 0.75 * (double)row && x[1] == 2.5 * (double)column && x[2] == 7.0);
         assert_true(n[0] == 0.0 && n[1] == 0.0 && n[2] == 1.0);
     }
     for (size_t i = 15; i < 21; i++) assert_true(mesh.normal[3 * i + 2] == -1.0);
@@ -260,7 +261,8 @@ static void vertices_agree_with_evaluation(void **state)
         add(ctx, &mesh, &p, A, B, false);
         double bound = 4.0 * (p.degree[0] + p.degree[1] + 4) * DBL_EPSILON * 8.0;
         for (size_t i = 0; i < mesh.nvertices; i++) {
-            double at[2] = {(double)(i / (B + 1)) / A, (double)(i % (B + 1)) / B}, d[9], n[3];
+            size_t row = i / (B + 1), column = i % (B + 1);
+            double at[2] = {(double)row / A, (double)column / B}, d[9], n[3];
             assert_int_equal(kn_bezier_derivatives(ctx, d, &p, at, 1), KN_OK);
             assert_true(distance(d, mesh.position + 3 * i) <= bound);
             const double *r = d + 3, *t = d + 6;
