@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: Apache-2.0
+// Composed patches per second of a job into a sink that drops them: chain links over a bent bicubic patch, by matrix
+// and by symbolic composition of every cell, on one thread and on two; and the matrix product against the machine's
+// peak.
+#include "bench/bench.h"
+
+#include "kernel/gemm.h"
+
+#include <knurl/io.h>
+
+enum { CELLS = 8, ROWS = 48 }; // ROWS: of the product measured by itself, 16 cells of 3 components
+
+typedef struct task {
+    kn_ctx *ctx;
+    const kn_job *job;
+    bool failed;
+} task;
+
+static kn_status drop(kn_ctx *ctx, void *user, const kn_patch_block *block, void *product)
+{
+    (void)ctx, (void)block, (void)product;
+    *(size_t *)user += block->count;
+    return KN_OK;
+}
+
+static void run(void *user)
+{
+    task *t = user;
+    size_t count = 0;
+    kn_sink sink = {.user = &count, .commit = drop};
+    if (kn_job_run(t->ctx, t->job, &sink, 1) != KN_OK || count != kn_job_describe(t->job).patches) t->failed = true;
+}
+
+static kn_status make_base(kn_ctx *ctx, kn_spline *out)
+{
+    const double knots[] = {0, 0, 0, 0, 1, 1, 1, 1}, *k[2] = {knots, knots};
+    const int degree[2] = {3, 3}, count[2] = {4, 4};
+    double coef[48];
+    for (int i = 0; i < 4; i++)
+        for (int j = 0; j < 4; j++) {
+            coef[4 * i + j] = i;
+            coef[16 + 4 * i + j] = j - 0.02 * i * i;
+            coef[32 + 4 * i + j] = 0.05 * (i * i - i * j);
+        }
+    return kn_spline_init(ctx, out, 2, 3, false, degree, count, k, coef);
+}
+
+typedef struct product {
+    double *c, *a, *packed, **to;
+    const double **from;
+    size_t k, n;
+} product;
+
+static void multiply(void *user)
+{
+    product *p = user;
+    for (int i = 0; i < 200; i++) kn_gemm(p->to, p->from, ROWS, p->packed, p->k, p->n);
+}
+
+// The product of one tile patch with 16 cells: k control points of S and n, n composed ones.
+static double product_rate(size_t k, size_t n)
+{
+    product p = {calloc(ROWS * n, sizeof(double)),
+                 calloc(ROWS * k, sizeof(double)),
+                 calloc(kn_gemm_room(k, n), sizeof(double)),
+                 calloc(ROWS, sizeof(double *)),
+                 calloc(ROWS, sizeof(double *)),
+                 k,
+                 n};
+    if (!p.c || !p.a || !p.packed || !p.to || !p.from) exit(1);
+    for (size_t i = 0; i < ROWS; i++) {
+        p.to[i] = p.c + i * n;
+        p.from[i] = p.a + i * k;
+    }
+    bench_rival rival = {.name = "product", .work = multiply, .user = &p};
+    bench_compare(&rival, 1, BENCH_THREAD);
+    free(p.c), free(p.a), free(p.packed), free(p.to), free(p.from);
+    return 200.0 * 2.0 * ROWS * (double)k * (double)n / rival.seconds;
+}
+
+int main(void)
+{
+    kn_ctx *ctx[2] = {NULL, NULL};
+    for (int i = 0; i < 2; i++) {
+        kn_ctx_options o = {.threads = i + 1};
+        if (kn_ctx_create(&ctx[i], &o) != KN_OK) return 1;
+    }
+    kn_spline base = {0};
+    kn_tile tile = {0};
+    kn_job *jobs[2] = {NULL, NULL};
+    kn_status status = make_base(ctx[1], &base);
+    if (status == KN_OK) status = kn_builtin_tile(ctx[1], &tile, "chain");
+    for (int i = 0; i < 2 && status == KN_OK; i++) {
+        kn_job_options o = {.count = {CELLS, CELLS}, .normal_tol = 1e-3, .max_degree = 14, .symbolic = i == 1};
+        status = kn_job_create(ctx[1], &jobs[i], &base, 1, &tile, &o);
+    }
+    if (status != KN_OK) {
+        fprintf(stderr, "%s\n", kn_ctx_message(ctx[1]));
+        return 1;
+    }
+    kn_job_report r = kn_job_describe(jobs[0]);
+    task tasks[4];
+    bench_rival rivals[4] = {{.name = "symbolic, 1 thread"},
+                             {.name = "symbolic, 2 threads"},
+                             {.name = "matrix, 1 thread"},
+                             {.name = "matrix, 2 threads"}};
+    for (int i = 0; i < 4; i++) {
+        tasks[i] = (task){ctx[i % 2], jobs[i < 2], false};
+        rivals[i].work = run;
+        rivals[i].user = &tasks[i];
+    }
+    bench_compare(rivals, 4, BENCH_WALL);
+
+    size_t points = r.control_points / r.patches, k = 16 + 16;
+    const char *isa;
+    double peak = bench_peak_flops(&isa), flops = 2.0 * 3.0 * (double)(k * points);
+    printf("%zu patches of degree %d, %d (%zu control points), %zu of them exact\n", r.patches, r.degree[0],
+           r.degree[1], points, r.exact_patches);
+    for (int i = 0; i < 4; i++) {
+        double rate = (double)r.patches / rivals[i].seconds;
+        printf("%-20s %10.0f patches/s  %6.2f x", rivals[i].name, rate, rivals[i].ratio);
+        if (i >= 2) printf("  %6.2f GFLOP/s", rate * flops * 1e-9);
+        printf("%s\n", tasks[i].failed ? "  FAILED" : "");
+    }
+    double rate = product_rate(k, points);
+    printf("the product alone    %6.2f GFLOP/s of %.2f (%s), %.0f %%\n", rate * 1e-9, peak * 1e-9, isa,
+           100 * rate / peak);
+    bool failed = false;
+    for (int i = 0; i < 4; i++) failed = failed || tasks[i].failed;
+    for (int i = 0; i < 2; i++) kn_job_destroy(ctx[1], jobs[i]);
+    kn_tile_clear(ctx[1], &tile), kn_spline_clear(ctx[1], &base);
+    for (int i = 0; i < 2; i++) kn_ctx_destroy(ctx[i]);
+    return failed;
+}
