@@ -199,7 +199,9 @@ static void put_surface(kn_text *text, const face *f)
     kn_text_put(text, f->rational ? ")B_SPLINE_SURFACE_WITH_KNOTS(" : ",");
     put_surface_knots(text, f);
     if (f->rational) {
-        kn_text_put(text, ")GEOMETRIC_REPRESENTATION_ITEM()RATIONAL_B_SPLINE_SURFACE(");
+        kn_text_char(text, ')');
+        kn_text_newline(text);
+        kn_text_put(text, "GEOMETRIC_REPRESENTATION_ITEM()RATIONAL_B_SPLINE_SURFACE(");
         put_net(text, f, true);
         kn_text_put(text, ")REPRESENTATION_ITEM('')SURFACE()");
     }
@@ -221,7 +223,9 @@ static void put_curve(kn_text *text, const face *f, int e)
     put_multiplicity(text, edge_length(f, e));
     kn_text_put(text, ",(0.,1.),.UNSPECIFIED.");
     if (f->rational) {
-        kn_text_put(text, ")CURVE()GEOMETRIC_REPRESENTATION_ITEM()RATIONAL_B_SPLINE_CURVE(");
+        kn_text_char(text, ')');
+        kn_text_newline(text);
+        kn_text_put(text, "CURVE()GEOMETRIC_REPRESENTATION_ITEM()RATIONAL_B_SPLINE_CURVE(");
         put_edge_list(text, f, e, true);
         kn_text_put(text, ")REPRESENTATION_ITEM('')");
     }
