@@ -34,30 +34,55 @@ typedef struct kn_tile {
     int nparts;
 } kn_tile;
 
-// Allocates nparts empty parts. Everything in a tile belongs to it.
+// A tile of nparts >= 1 empty parts. Everything in a tile belongs to it; out is overwritten, kn_tile_clear ends it.
+// fails: KN_EDOMAIN nparts, KN_ELIMIT a name of KN_NAME_BYTES or more, KN_ENOMEM; out unchanged.
 KN_API KN_CHECKED kn_status kn_tile_init(kn_ctx *ctx, kn_tile *out, const char *name, int nparts);
 KN_API void kn_tile_clear(kn_ctx *ctx, kn_tile *tile);
 // Appends a copy of the surface to a part. fails: KN_EDOMAIN no such part, KN_ENOMEM; the tile is then unchanged.
 KN_API KN_CHECKED kn_status kn_tile_add(kn_ctx *ctx, kn_tile *tile, int part, const kn_spline *surface);
-// KN_OK, or KN_EDOMAIN naming the part and surface that is no polynomial (u,v,w) surface, not finite or of zero area.
+// KN_OK, or KN_EDOMAIN: the message names the part and the surface that is no polynomial (u,v,w) surface, not finite
+// or of zero area (all coefficients of its r x t within their rounding of zero); or an aspect that is negative or not
+// finite, or no surface at all. Also what kn_spline_check finds, and KN_ENOMEM.
 KN_API KN_CHECKED kn_status kn_tile_check(kn_ctx *ctx, const kn_tile *tile);
-// Quarter turns of the (u,v) cell about its centre, counterclockwise.
+// Quarter turns of the (u,v) cell about its centre, counterclockwise, any number: (u,v) -> (1-v, u), one rounding
+// each. fails: KN_EDOMAIN a surface that is no polynomial (u,v,w) surface; the tile is then unchanged. Allocates
+// nothing.
 KN_API KN_CHECKED kn_status kn_tile_rotate(kn_ctx *ctx, kn_tile *tile, int quarter_turns);
 
 // ---- composition of one patch ----
 
-// out(x) = outer(inner(x)); inner has outer.nvars value components, polynomial or rational. By symbolic expansion,
-// exact but for rounding: the reference. out.degree[d] = inner.degree[d] * sum of outer's degrees.
+// out(x) = outer(inner(x)), by symbolic expansion, exact but for rounding: the reference.
+// in:     outer with nvars >= 1; inner with as many value components, any nvars; each polynomial or rational.
+// out:    initialised, overwritten, may be an operand; rational if either operand is.
+//         out.degree[d] = inner.degree[d] * sum of outer's degrees.
+// fails:  KN_EDOMAIN shapes, KN_ELIMIT degree > KN_MAX_DEGREE, KN_ENOMEM; out unchanged.
+// error:  docs/numerics.md, compose: about 1e-14 of the same expression in absolute values.
+// cost:   prod over outer's variables but the last of (degree + 1) polynomial products.
+// source: Elber, Geometric Texture Modeling, sidebar on composition, by Bernstein products one variable at a time.
 KN_API KN_CHECKED kn_status kn_bezier_compose(kn_ctx *ctx, kn_bezier *out, const kn_bezier *outer,
                                               const kn_bezier *inner);
 
-// T(D(r,t)) by symbolic composition of each term of the piece: the reference for the matrix below. D has components
-// (u, v, w), u and v in box coordinates, w in length units.
+// out = T(D(r,t)) by symbolic composition of each term of the piece, sum_k term[k](u,v) w^k: the reference for the
+// matrix below.
+// in:     tile: D, any number of variables, three polynomial components (u, v, w), u and v in box coordinates, w in
+//         length units.
+// out:    initialised, overwritten, may be tile; rational if term[0] is.
+//         out.degree[d] = tile.degree[d] * max over k of (term[k]'s degrees summed, + k).
+// fails:  KN_EDOMAIN shapes, KN_ELIMIT degree > KN_MAX_DEGREE, KN_ENOMEM; out unchanged.
+// error:  as kn_bezier_compose.
 KN_API KN_CHECKED kn_status kn_compose_piece(kn_ctx *ctx, kn_bezier *out, const kn_shell_piece *piece,
                                              const kn_bezier *tile);
 
 // The matrix of one tile patch for one pair of degrees: row q, column a*(degree_v+1)+b holds Bernstein coefficient q
-// of B_a(u(r,t)) B_b(v(r,t)) w(r,t)^power in degree (rows_degree[0], rows_degree[1]). Depends on the tile alone.
+// of B_a(u(r,t)) B_b(v(r,t)) w(r,t)^power in degree (rows_degree[0], rows_degree[1]). It depends on the tile alone: M
+// times the control points of term[power] of any cell gives what that term contributes to the composed patch.
+// in:     tile of two variables and components (u, v, w), polynomial; rows_degree[d] >= tile.degree[d] (degree[0] +
+//         degree[1] + power).
+// out:    overwritten; ended by kn_compose_matrix_clear. In the unit cell with power 0: m >= 0, rows sum to 1. Rows
+// on
+//         an edge depend on that edge alone, bit for bit the same in every patch that has it.
+// fails:  KN_EDOMAIN shapes, degrees, KN_ELIMIT degree > KN_MAX_DEGREE, KN_ENOMEM; out unchanged.
+// error:  docs/numerics.md, compose. cost: cols products of polynomials.
 typedef struct kn_compose_matrix {
     int rows_degree[2];
     size_t rows, cols;
@@ -73,11 +98,11 @@ typedef enum kn_normal_method { KN_NORMAL_FITTED } kn_normal_method;
 
 // Zero means the default in every field.
 typedef struct kn_job_options {
-    int count[2];   // cells over each surface's domain in u and in v; 0: from size
-    double size[2]; // wanted cell size, length units; the nearest count is taken, equal on edges that surfaces share.
-                    // Neither given: 1/20 of the base's diagonal
-    double height;  // of w = 1 above the base, negative below; 0: the tile's aspect times the mean cell size
-    double offset;  // added to every height, length units
+    int count[2];   // cells over each surface's domain in u and in v, at most 65536; 0: from size
+    double size[2]; // wanted cell size, length units; the nearest count is taken (but no fewer than knot spans),
+                    // equal on edges that surfaces share. One given: for both. None: 1/20 of the base's diagonal
+    double height;     // of w = 1 above the base, negative below; 0: the tile's aspect times the mean cell size
+    double offset;     // added to every height, length units
     int quarter_turns; // of the tile in its cell
     double normal_tol; // as kn_shell_options; 0: 1e-6
     int max_degree;    // of a composed patch in one variable; 0: 25 (what OCCT reads); at most KN_MAX_DEGREE
@@ -140,10 +165,17 @@ KN_API void kn_sink_close(kn_ctx *ctx, kn_sink *sink); // idempotent
 
 typedef struct kn_job kn_job;
 
-// Plans tile x cells over the surfaces (dim 3, two variables; copied). Counts, shells and subdivisions are decided
-// here. fails: as kn_shell_create and kn_tile_check; KN_EDOMAIN when cells would straddle knot lines of a surface
-// (count below
-//        its knot spans), or when max_degree leaves no room for the normal's degree.
+// Plans tile x cells over the surfaces (dim 3, two variables; copied, as the tile is). Counts, shells and
+// subdivisions are decided here. Cell lines are uniform in each knot span. A tile patch that crosses cell lines along
+// its own parameter lines is cut there and continues in the next cell (wrapped where the surface is closed, on the
+// extended surface beyond an open end); otherwise it keeps its cell, over a box that reaches beyond it. Where no
+// polynomial normal of low degree over the whole cell is within normal_tol, patches are composed over smaller boxes
+// and bisected as needed. out:    *out, ended by kn_job_destroy. fails:  as kn_shell_create, kn_spline_check and
+// kn_tile_check; KN_EDOMAIN options that are negative or not finite,
+//         fewer cells than knot spans, a max_degree that leaves no room for the normal (the message says what is
+//         needed), a tile patch that crosses a knot line of a surface and not along a parameter line of its own;
+//         KN_ELIMIT counts, cells, max_degree; KN_EUNDECIDED no normal within normal_tol after ten bisections each
+//         way; KN_ECANCELLED, KN_ENOMEM. *out unchanged.
 KN_API KN_CHECKED kn_status kn_job_create(kn_ctx *ctx, kn_job **out, const kn_spline *surfaces, int nsurfaces,
                                           const kn_tile *tile, const kn_job_options *options);
 KN_API void kn_job_destroy(kn_ctx *ctx, kn_job *job);
@@ -154,12 +186,18 @@ KN_API const kn_shell *kn_job_shell(const kn_job *job, int surface);
 // The cell lines of a surface in variable var, in its own parameters: kn_shell_cells + 1 numbers. NULL: no such
 // surface.
 KN_API const double *kn_job_lines(const kn_job *job, int surface, int var);
-// The tile patch D behind an output patch, restricted to its piece, in the coordinates of its cell: (u, v, w) with
-// the cell [0,1]^2 and w in length units; out is overwritten. Lets a caller check patch = T(D).
-KN_API KN_CHECKED kn_status kn_job_source(kn_ctx *ctx, kn_bezier *out, const kn_job *job, const kn_patch_id *id);
+// The tile patch D behind an output patch, restricted to its piece: (u, v, w), u and v counted in cells from the
+// corner of id->cell (so [0,1]^2 is that cell, and u in [1,2] the next one), w in length units; out is overwritten.
+// Lets a caller check patch = T(D), with kn_job_lines. fails: KN_EDOMAIN no such patch, KN_ENOMEM; out unchanged.
+KN_API KN_CHECKED kn_status kn_job_source(kn_ctx *ctx, kn_bezier *out, kn_patch_place *place, const kn_job *job,
+                                          const kn_patch_id *id);
 
 // Composes everything and sends it to the sinks. The same patches in the same order, bit for bit, for any number of
-// threads. Memory: the plan and the blocks in flight.
+// threads (on one kind of processor: docs/numerics.md, compose). Memory: the matrices and the blocks in flight, 2 MiB
+// or one cell each, two for each thread and one more. The sinks are not closed. ctx need not be the one that made the
+// job. fails: what the sinks answer; KN_EDOMAIN a sink without commit; KN_ECANCELLED, KN_ENOMEM. All products are
+// then
+//        discarded.
 KN_API KN_CHECKED kn_status kn_job_run(kn_ctx *ctx, const kn_job *job, kn_sink *sinks, int nsinks);
 
 #ifdef __cplusplus
