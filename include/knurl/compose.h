@@ -98,9 +98,9 @@ typedef enum kn_normal_method { KN_NORMAL_FITTED } kn_normal_method;
 
 // Zero means the default in every field.
 typedef struct kn_job_options {
-    int count[2];   // cells over each surface's domain in u and in v, at most 65536; 0: from size
-    double size[2]; // wanted cell size, length units; the nearest count is taken (but no fewer than knot spans),
-                    // equal on edges that surfaces share. One given: for both. None: 1/20 of the base's diagonal
+    int count[2];      // cells over each surface's domain in u and in v, at most 65536; 0: from size
+    double size[2];    // wanted cell size, length units; the nearest count is taken (but no fewer than knot spans),
+                       // equal on edges that surfaces share. One given: for both. None: 1/20 of the base's diagonal
     double height;     // of w = 1 above the base, negative below; 0: the tile's aspect times the mean cell size
     double offset;     // added to every height, length units
     int quarter_turns; // of the tile in its cell
@@ -170,9 +170,11 @@ typedef struct kn_job kn_job;
 // its own parameter lines is cut there and continues in the next cell (wrapped where the surface is closed, on the
 // extended surface beyond an open end); otherwise it keeps its cell, over a box that reaches beyond it. Where no
 // polynomial normal of low degree over the whole cell is within normal_tol, patches are composed over smaller boxes
-// and bisected as needed. out:    *out, ended by kn_job_destroy. fails:  as kn_shell_create, kn_spline_check and
-// kn_tile_check; KN_EDOMAIN options that are negative or not finite,
-//         fewer cells than knot spans, a max_degree that leaves no room for the normal (the message says what is
+// and bisected as needed.
+//
+// out:    *out, ended by kn_job_destroy.
+// fails:  as kn_shell_create, kn_spline_check and kn_tile_check; KN_EDOMAIN options negative or not finite, fewer
+// cells than knot spans, a max_degree that leaves no room for the normal (the message says what is
 //         needed), a tile patch that crosses a knot line of a surface and not along a parameter line of its own;
 //         KN_ELIMIT counts, cells, max_degree; KN_EUNDECIDED no normal within normal_tol after ten bisections each
 //         way; KN_ECANCELLED, KN_ENOMEM. *out unchanged.
@@ -186,18 +188,25 @@ KN_API const kn_shell *kn_job_shell(const kn_job *job, int surface);
 // The cell lines of a surface in variable var, in its own parameters: kn_shell_cells + 1 numbers. NULL: no such
 // surface.
 KN_API const double *kn_job_lines(const kn_job *job, int surface, int var);
+// Where an output patch lies: the cell, perhaps of another surface than the tile's own, when it reached over an edge
+// that the two share; perhaps beyond an open end of the surface, or -1 and the like where a direction is closed.
+typedef struct kn_patch_place {
+    int surface, cell[2];
+} kn_patch_place;
 // The tile patch D behind an output patch, restricted to its piece: (u, v, w), u and v counted in cells from the
-// corner of id->cell (so [0,1]^2 is that cell, and u in [1,2] the next one), w in length units; out is overwritten.
-// Lets a caller check patch = T(D), with kn_job_lines. fails: KN_EDOMAIN no such patch, KN_ENOMEM; out unchanged.
+// corner of place->cell (so [0,1]^2 is that cell, and u in [1,2] the next one), w in length units; out is
+// overwritten, place may be NULL. Lets a caller check patch = T(D), with kn_job_lines of place->surface. fails:
+// KN_EDOMAIN no such patch, KN_ENOMEM; out unchanged.
 KN_API KN_CHECKED kn_status kn_job_source(kn_ctx *ctx, kn_bezier *out, kn_patch_place *place, const kn_job *job,
                                           const kn_patch_id *id);
 
 // Composes everything and sends it to the sinks. The same patches in the same order, bit for bit, for any number of
 // threads (on one kind of processor: docs/numerics.md, compose). Memory: the matrices and the blocks in flight, 2 MiB
 // or one cell each, two for each thread and one more. The sinks are not closed. ctx need not be the one that made the
-// job. fails: what the sinks answer; KN_EDOMAIN a sink without commit; KN_ECANCELLED, KN_ENOMEM. All products are
-// then
-//        discarded.
+// job.
+//
+// fails: what the sinks answer; KN_EDOMAIN a sink without commit; KN_ECANCELLED, KN_ENOMEM. All products are
+//        then discarded.
 KN_API KN_CHECKED kn_status kn_job_run(kn_ctx *ctx, const kn_job *job, kn_sink *sinks, int nsinks);
 
 #ifdef __cplusplus
