@@ -174,8 +174,8 @@ typedef struct kn_job kn_job;
 //
 // out:    *out, ended by kn_job_destroy.
 // fails:  as kn_shell_create, kn_spline_check and kn_tile_check; KN_EDOMAIN options negative or not finite, fewer
-// cells than knot spans, a max_degree that leaves no room for the normal (the message says what is
-//         needed), a tile patch that crosses a knot line of a surface and not along a parameter line of its own;
+//         cells than knot spans, a max_degree that leaves no room for the normal (the message says what is needed), a
+//         tile patch that crosses a knot line of a surface and not along a parameter line of its own;
 //         KN_ELIMIT counts, cells, max_degree; KN_EUNDECIDED no normal within normal_tol after ten bisections each
 //         way; KN_ECANCELLED, KN_ENOMEM. *out unchanged.
 KN_API KN_CHECKED kn_status kn_job_create(kn_ctx *ctx, kn_job **out, const kn_spline *surfaces, int nsurfaces,
@@ -193,10 +193,14 @@ KN_API const double *kn_job_lines(const kn_job *job, int surface, int var);
 typedef struct kn_patch_place {
     int surface, cell[2];
 } kn_patch_place;
-// The tile patch D behind an output patch, restricted to its piece: (u, v, w), u and v counted in cells from the
-// corner of place->cell (so [0,1]^2 is that cell, and u in [1,2] the next one), w in length units; out is
-// overwritten, place may be NULL. Lets a caller check patch = T(D), with kn_job_lines of place->surface. fails:
-// KN_EDOMAIN no such patch, KN_ENOMEM; out unchanged.
+// Where the (u,v) of a tile patch count from: the corner of this cell, which is [0,1]^2.
+typedef struct kn_patch_place {
+    int surface, cell[2];
+} kn_patch_place;
+// The tile patch D behind an output patch, restricted to its piece: (u, v, w), u and v counted in cells from *place
+// (NULL: not wanted), w in length units; out is overwritten. The place is the patch's own cell, beyond whose edges D
+// may reach, or the cell of another surface where the tile continues over an edge that the two surfaces share.
+// Lets a caller check patch = T(D), with kn_job_lines. fails: KN_EDOMAIN no such patch, KN_ENOMEM; out unchanged.
 KN_API KN_CHECKED kn_status kn_job_source(kn_ctx *ctx, kn_bezier *out, kn_patch_place *place, const kn_job *job,
                                           const kn_patch_id *id);
 
