@@ -68,17 +68,22 @@ static const kn_job_key *find_leaf(const kn_job *job, const kn_patch_id *id)
     return NULL;
 }
 
-kn_status kn_job_source(kn_ctx *ctx, kn_bezier *out, const kn_job *job, const kn_patch_id *id)
+kn_status kn_job_source(kn_ctx *ctx, kn_bezier *out, kn_patch_place *place, const kn_job *job, const kn_patch_id *id)
 {
     const kn_job_key *key = find_leaf(job, id);
     if (!key) return kn_fail(ctx, KN_EDOMAIN, "job: no such patch");
     const kn_job_patch *patch = &job->patches[key->patch];
     kn_bezier d = {0};
-    kn_status status = kn_job_restrict(ctx, &d, patch, key->rect);
+    kn_status status = kn_job_restrict(ctx, &d, patch, key->rect, key->turn);
     if (status != KN_OK) return status;
+    kn_job_place at = kn_job_find_place(job, id->surface, id->cell, patch->offset);
     size_t n = kn_bezier_count(&d);
-    for (size_t c = 0; c < 2; c++)
-        for (size_t i = 0; i < n; i++) d.coef[c * n + i] += patch->offset[c];
+    if (at.surface == id->surface && at.turn == 0)
+        for (size_t c = 0; c < 2; c++) {
+            for (size_t i = 0; i < n; i++) d.coef[c * n + i] += at.cell[c] - id->cell[c];
+            at.cell[c] = id->cell[c];
+        }
+    if (place) *place = (kn_patch_place){at.surface, {at.cell[0], at.cell[1]}};
     kn_bezier_swap(out, &d);
     kn_bezier_clear(ctx, &d);
     return KN_OK;

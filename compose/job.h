@@ -36,18 +36,33 @@ typedef struct kn_job_rect {
 typedef struct kn_job_key {
     int patch; // of job->patches
     kn_job_rect rect;
-    bool whole; // over the whole cell; else over kn_job_box of the rect
+    uint8_t turn; // quarter turns of it into the cell where it lies (kn_job_place)
+    bool whole;   // over the whole cell; else over kn_job_box of the rect
     bool exact;
     uint8_t degree[KN_SHELL_TERMS][2];
     uint8_t factor; // composed degree / the tile patch's degree
 } kn_job_key;
 
+// The edge that an edge of the base coincides with. Edges of surface s: 4s + 0 and 1 at the ends of u (they run along
+// v), 4s + 2 and 3 at the ends of v.
+typedef struct kn_job_partner {
+    int edge;      // -1: none
+    bool reversed; // they run in opposite directions
+    bool single;   // no third edge coincides with them
+} kn_job_partner;
+
+// A cell, perhaps of another surface than the tile's own, and the quarter turns into its coordinates.
+typedef struct kn_job_place {
+    int surface, cell[2], turn;
+} kn_job_place;
+
 typedef struct kn_job_surface {
     kn_shell *shell;
     int cells[2];
     bool closed[2];
-    double *lines[2];   // cells + 1 each, in S's parameters
-    bool *knot[2];      // whether S is not one polynomial across line i; cells + 1 each
+    double *lines[2]; // cells + 1 each, in S's parameters
+    bool *knot[2];    // whether S is not one polynomial across line i; cells + 1 each
+    kn_job_partner partner[4];
     size_t first_cell;  // in the job's order
     int degree_sum;     // of n: what fits into max_degree
     double jacobian[2]; // bounds
@@ -89,10 +104,19 @@ kn_status kn_job_measure_surface(kn_ctx *ctx, kn_job_measure *out, const kn_spli
 double kn_job_off_chord(const double *p, const double *a, const double *b);
 double kn_job_mean_length(const kn_job_measure *m, int along);
 
+// ---- job_edges.c ----
+// partners: 4 for each surface.
+kn_status kn_job_find_partners(kn_ctx *ctx, kn_job_partner *partners, const kn_spline *surfaces, int nsurfaces,
+                               double tol);
+// Where the cell at `offset` from a cell of the surface lies: on the surface beyond an edge that the two share with
+// agreeing normals and equal counts; otherwise on its own surface, where closed directions wrap and open ends extend.
+kn_job_place kn_job_find_place(const kn_job *job, int surface, const int cell[2], const int offset[2]);
+
 // ---- job_counts.c ----
 // counts[s] = cells of surface s in u and in v, as options ask. size: in force when options->count is 0.
 kn_status kn_job_counts(kn_ctx *ctx, int (*counts)[2], const kn_spline *surfaces, int nsurfaces,
-                        const kn_job_measure *measures, const kn_job_options *options, double diagonal);
+                        const kn_job_measure *measures, const kn_job_options *options,
+                        const kn_job_partner *partners);
 
 // ---- job_lines.c ----
 // lines[0 .. count]: the knots of variable var and lines between them, uniform in each span; knot[i] tells which.
@@ -103,8 +127,8 @@ kn_status kn_job_make_lines(kn_ctx *ctx, double **lines, bool **knot, const kn_s
 kn_status kn_job_make_patches(kn_ctx *ctx, kn_job *job);
 
 // ---- job_rect.c ----
-// The part of a patch that rect names.
-kn_status kn_job_restrict(kn_ctx *ctx, kn_bezier *out, const kn_job_patch *patch, kn_job_rect rect);
+// The part of a patch that rect names, after `turn` quarter turns about the centre of its cell.
+kn_status kn_job_restrict(kn_ctx *ctx, kn_bezier *out, const kn_job_patch *patch, kn_job_rect rect, int turn);
 // A box with dyadic sides around (u, v) of d, hardly larger than it must be.
 void kn_job_box(double lo[2], double hi[2], const kn_bezier *d);
 // The patch of a key in the coordinates of its box, [0,1]^2.
@@ -112,20 +136,20 @@ kn_status kn_job_in_box(kn_ctx *ctx, kn_bezier *out, double lo[2], double hi[2],
                         const kn_job_key *key);
 
 // ---- job_pieces.c ----
-// The pieces of one surface's shell that one cell asks for: each is made once.
+// The pieces of shells that one cell asks for: each is made once.
 typedef struct kn_job_piece {
-    int cell[2];
+    int surface, cell[2];
     double lo[2], hi[2];
     bool fits;
     kn_shell_piece piece;
 } kn_job_piece;
 typedef struct kn_job_pieces {
-    const kn_job_surface *surface;
+    const kn_job *job;
     kn_job_piece *list;
     int count, room;
 } kn_job_pieces;
-kn_status kn_job_pieces_get(kn_ctx *ctx, int *index, kn_job_pieces *pieces, const int cell[2], const double lo[2],
-                            const double hi[2]);
+kn_status kn_job_pieces_get(kn_ctx *ctx, int *index, kn_job_pieces *pieces, const kn_job_place *place,
+                            const double lo[2], const double hi[2]);
 void kn_job_pieces_clear(kn_ctx *ctx, kn_job_pieces *pieces); // empty, room kept
 void kn_job_pieces_end(kn_ctx *ctx, kn_job_pieces *pieces);
 

@@ -4,46 +4,6 @@
 
 #include <math.h>
 
-// Edges of surface s: 4s + 0 and 1 at the ends of u (they run along v), 4s + 2 and 3 at the ends of v.
-typedef struct edge {
-    double *point; // 3 n numbers, projected
-    int n, degree;
-    bool collapsed;
-} edge;
-
-static double separation(const double *p, const double *q)
-{
-    return fmax(fabs(p[0] - q[0]), fmax(fabs(p[1] - q[1]), fabs(p[2] - q[2])));
-}
-
-static kn_status edge_init(kn_ctx *ctx, edge *out, const kn_spline *s, int which, double tol)
-{
-    int fixed = which >> 1, along = 1 - fixed, n = s->count[along];
-    size_t count = kn_spline_count(s), row = (size_t)s->count[1];
-    size_t start = (which & 1) == 0 ? 0 : fixed == 0 ? count - row : row - 1, step = along == 0 ? row : 1;
-    *out = (edge){.point = kn_alloc(ctx, 3 * (size_t)n, sizeof(double)), .n = n, .degree = s->degree[along]};
-    if (!out->point) return KN_ENOMEM;
-    out->collapsed = true;
-    for (int i = 0; i < n; i++) {
-        size_t at = start + (size_t)i * step;
-        double w = s->rational ? s->coef[3 * count + at] : 1.0;
-        for (size_t c = 0; c < 3; c++) out->point[3 * (size_t)i + c] = s->coef[c * count + at] / w;
-        if (separation(out->point + 3 * i, out->point) > tol) out->collapsed = false;
-    }
-    return KN_OK;
-}
-
-static bool coincide(const edge *a, const edge *b, double tol)
-{
-    if (a->n != b->n || a->degree != b->degree || a->collapsed || b->collapsed) return false;
-    bool forward = true, backward = true;
-    for (int i = 0; (forward || backward) && i < a->n; i++) {
-        forward = forward && separation(a->point + 3 * i, b->point + 3 * i) <= tol;
-        backward = backward && separation(a->point + 3 * i, b->point + 3 * (b->n - 1 - i)) <= tol;
-    }
-    return forward || backward;
-}
-
 // ---- classes of edges that must have one count: a forest in which parent[root] = root ----
 static int root_of(int *parent, int e)
 {
@@ -61,25 +21,13 @@ static void join(int *parent, int a, int b)
         parent[a] = b;
 }
 
-static kn_status find_classes(kn_ctx *ctx, int *parent, const kn_spline *surfaces, int nsurfaces, double tol)
+static void find_classes(int *parent, const kn_job_partner *partners, int nsurfaces)
 {
     int n = 4 * nsurfaces;
-    edge *edges = kn_alloc_zero(ctx, (size_t)n, sizeof *edges);
-    kn_status status = edges ? KN_OK : KN_ENOMEM;
-    for (int e = 0; status == KN_OK && e < n; e++) {
-        parent[e] = e;
-        status = edge_init(ctx, &edges[e], &surfaces[e / 4], e % 4, tol);
-    }
-    for (int s = 0; status == KN_OK && s < nsurfaces; s++) {
-        join(parent, 4 * s, 4 * s + 1);
-        join(parent, 4 * s + 2, 4 * s + 3);
-    }
-    for (int e = 0; status == KN_OK && e < n; e++)
-        for (int f = e + 1; f < n; f++)
-            if (coincide(&edges[e], &edges[f], tol)) join(parent, e, f);
-    for (int e = 0; edges && e < n; e++) kn_free(ctx, edges[e].point);
-    kn_free(ctx, edges);
-    return status;
+    for (int e = 0; e < n; e++) parent[e] = e;
+    for (int e = 0; e < n; e += 2) join(parent, e, e + 1); // opposite edges of a surface
+    for (int e = 0; e < n; e++)
+        if (partners[e].edge >= 0) join(parent, e, partners[e].edge);
 }
 
 typedef struct edge_class {
@@ -89,11 +37,12 @@ typedef struct edge_class {
 
 // The count of each class: the mean of length / size over its curves, no fewer than any member has knot spans.
 static kn_status count_by_size(kn_ctx *ctx, int (*counts)[2], const kn_spline *surfaces, int nsurfaces,
-                               const kn_job_measure *measures, const double size[2], double tol)
+                               const kn_job_measure *measures, const double size[2], const kn_job_partner *partners)
 {
     int *parent = kn_alloc(ctx, 4 * (size_t)nsurfaces, sizeof *parent);
     edge_class *classes = kn_alloc_zero(ctx, 4 * (size_t)nsurfaces, sizeof *classes);
-    kn_status status = parent && classes ? find_classes(ctx, parent, surfaces, nsurfaces, tol) : KN_ENOMEM;
+    kn_status status = parent && classes ? KN_OK : KN_ENOMEM;
+    if (status == KN_OK) find_classes(parent, partners, nsurfaces);
     for (int s = 0; status == KN_OK && s < nsurfaces; s++)
         for (int along = 0; along < 2; along++) {
             edge_class *c = &classes[root_of(parent, 4 * s + (along == 0 ? 2 : 0))];
@@ -131,11 +80,11 @@ static kn_status check_count(kn_ctx *ctx, const kn_spline *surface, int s, int a
 }
 
 kn_status kn_job_counts(kn_ctx *ctx, int (*counts)[2], const kn_spline *surfaces, int nsurfaces,
-                        const kn_job_measure *measures, const kn_job_options *options, double diagonal)
+                        const kn_job_measure *measures, const kn_job_options *options, const kn_job_partner *partners)
 {
     kn_status status = KN_OK;
     if (options->count[0] == 0 || options->count[1] == 0)
-        status = count_by_size(ctx, counts, surfaces, nsurfaces, measures, options->size, 1e-9 * diagonal);
+        status = count_by_size(ctx, counts, surfaces, nsurfaces, measures, options->size, partners);
     for (int s = 0; status == KN_OK && s < nsurfaces; s++)
         for (int along = 0; status == KN_OK && along < 2; along++)
             if (options->count[along] != 0) {

@@ -157,16 +157,20 @@ static kn_status decide_sizes(kn_ctx *ctx, kn_job *job, const kn_spline *surface
     kn_job_options *o = &job->options;
     kn_job_measure *measures = kn_alloc(ctx, n, sizeof *measures);
     int(*counts)[2] = kn_alloc(ctx, n, sizeof *counts);
+    kn_job_partner *partners = kn_alloc(ctx, 4 * n, sizeof *partners);
     double diagonal = 0.0;
-    kn_status status = measures && counts ? base_diagonal(ctx, &diagonal, surfaces, job->nsurfaces) : KN_ENOMEM;
+    kn_status status = measures && counts && partners ? base_diagonal(ctx, &diagonal, surfaces, job->nsurfaces)
+                                                      : KN_ENOMEM;
     for (int s = 0; status == KN_OK && s < job->nsurfaces; s++)
         status = kn_job_measure_surface(ctx, &measures[s], &surfaces[s]);
     resolve_size(o, diagonal);
-    if (status == KN_OK) status = kn_job_counts(ctx, counts, surfaces, job->nsurfaces, measures, o, diagonal);
+    if (status == KN_OK) status = kn_job_find_partners(ctx, partners, surfaces, job->nsurfaces, 1e-9 * diagonal);
+    if (status == KN_OK) status = kn_job_counts(ctx, counts, surfaces, job->nsurfaces, measures, o, partners);
     for (int s = 0; status == KN_OK && s < job->nsurfaces; s++) {
         size_t cells = (size_t)counts[s][0] * (size_t)counts[s][1];
         job->surfaces[s].first_cell = job->ncells;
         for (int d = 0; d < 2; d++) job->surfaces[s].cells[d] = counts[s][d];
+        for (int e = 0; e < 4; e++) job->surfaces[s].partner[e] = partners[4 * s + e];
         if (cells > KN_JOB_MAX_CELLS - job->ncells)
             status = kn_fail(ctx, KN_ELIMIT, "job: more than %zu cells", KN_JOB_MAX_CELLS);
         else
@@ -183,6 +187,7 @@ static kn_status decide_sizes(kn_ctx *ctx, kn_job *job, const kn_spline *surface
     if (status == KN_OK) status = choose_segments(ctx, job, measures, counts);
     kn_free(ctx, measures);
     kn_free(ctx, counts);
+    kn_free(ctx, partners);
     return status;
 }
 

@@ -16,7 +16,7 @@ static packed pack(const kn_job_key *k)
     }
     for (int t = 0; t < KN_SHELL_TERMS; t++)
         for (int d = 0; d < 2; d++) p.b = p.b << 8 | k->degree[t][d];
-    p.b = p.b << 2 | (uint64_t)(k->whole << 1 | k->exact);
+    p.b = p.b << 4 | (uint64_t)(k->turn << 2 | k->whole << 1 | k->exact);
     return p;
 }
 

@@ -2,18 +2,19 @@
 // Pieces of a shell, each made once for a cell.
 #include "compose/job.h"
 
-static bool same(const kn_job_piece *p, const int cell[2], const double lo[2], const double hi[2])
+static bool same(const kn_job_piece *p, const kn_job_place *place, const double lo[2], const double hi[2])
 {
+    if (p->surface != place->surface) return false;
     for (int d = 0; d < 2; d++)
-        if (p->cell[d] != cell[d] || p->lo[d] != lo[d] || p->hi[d] != hi[d]) return false;
+        if (p->cell[d] != place->cell[d] || p->lo[d] != lo[d] || p->hi[d] != hi[d]) return false;
     return true;
 }
 
-kn_status kn_job_pieces_get(kn_ctx *ctx, int *index, kn_job_pieces *pieces, const int cell[2], const double lo[2],
-                            const double hi[2])
+kn_status kn_job_pieces_get(kn_ctx *ctx, int *index, kn_job_pieces *pieces, const kn_job_place *place,
+                            const double lo[2], const double hi[2])
 {
     for (int i = 0; i < pieces->count; i++)
-        if (same(&pieces->list[i], cell, lo, hi)) {
+        if (same(&pieces->list[i], place, lo, hi)) {
             *index = i;
             return KN_OK;
         }
@@ -24,9 +25,10 @@ kn_status kn_job_pieces_get(kn_ctx *ctx, int *index, kn_job_pieces *pieces, cons
         pieces->list = list;
         pieces->room = room;
     }
-    kn_job_piece p = {.cell = {cell[0], cell[1]}, .lo = {lo[0], lo[1]}, .hi = {hi[0], hi[1]}};
-    const kn_job_surface *s = pieces->surface;
-    kn_status status = kn_shell_piece_init(ctx, &p.piece, &p.fits, s->shell, cell, lo, hi, s->degree_sum);
+    kn_job_piece p = {.surface = place->surface, .cell = {place->cell[0], place->cell[1]}};
+    for (int d = 0; d < 2; d++) p.lo[d] = lo[d], p.hi[d] = hi[d];
+    const kn_job_surface *s = &pieces->job->surfaces[place->surface];
+    kn_status status = kn_shell_piece_init(ctx, &p.piece, &p.fits, s->shell, p.cell, lo, hi, s->degree_sum);
     if (status != KN_OK) return status;
     *index = pieces->count;
     pieces->list[pieces->count++] = p;

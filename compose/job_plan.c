@@ -21,8 +21,7 @@ typedef struct planning {
 // What the recursion over one cell carries along.
 typedef struct cell_work {
     const kn_job *job;
-    const kn_job_surface *surface;
-    int surface_index, cell[2]; // the tile's own
+    int surface, cell[2]; // the tile's own
     kn_job_pieces pieces;
     cell_plan *plan;
 } cell_work;
@@ -39,7 +38,7 @@ static int larger(int a, int b)
     return a > b ? a : b;
 }
 
-static kn_status add_leaf(kn_ctx *ctx, cell_work *w, int patch, kn_job_rect rect, bool whole,
+static kn_status add_leaf(kn_ctx *ctx, cell_work *w, int patch, kn_job_rect rect, int turn, bool whole,
                           const kn_shell_piece *piece)
 {
     cell_plan *plan = w->plan;
@@ -50,7 +49,7 @@ static kn_status add_leaf(kn_ctx *ctx, cell_work *w, int patch, kn_job_rect rect
         plan->keys = keys;
         plan->room = room;
     }
-    kn_job_key key = {.patch = patch, .rect = rect, .whole = whole, .exact = piece->exact};
+    kn_job_key key = {.patch = patch, .rect = rect, .turn = (uint8_t)turn, .whole = whole, .exact = piece->exact};
     int factor = 1;
     for (int t = 0; t < piece->nterms; t++) {
         const int *degree = piece->term[t].degree;
@@ -110,29 +109,30 @@ static kn_status give_up(kn_ctx *ctx, const cell_work *w, int patch, bool crosse
         return kn_fail(ctx, KN_EDOMAIN,
                        "job: patch %d of tile part \"%s\" crosses a knot line of surface %d in cell %d,%d, and not "
                        "along a parameter line of its own",
-                       p->patch, name, w->surface_index, w->cell[0], w->cell[1]);
+                       p->patch, name, w->surface, w->cell[0], w->cell[1]);
     return kn_fail(ctx, KN_EUNDECIDED,
                    "job: no normal of low degree within the tolerance for patch %d of tile part \"%s\" in cell %d,%d "
                    "of surface %d, after %d bisections each way",
-                   p->patch, name, w->cell[0], w->cell[1], w->surface_index, KN_JOB_MAX_DEPTH);
+                   p->patch, name, w->cell[0], w->cell[1], w->surface, KN_JOB_MAX_DEPTH);
 }
 
-// One part of a patch over the tight box around it, or, where no piece fits there, its halves. `target` is the cell.
-static kn_status plan_rect(kn_ctx *ctx, cell_work *w, int patch, const int target[2], kn_job_rect rect)
+// One part of a patch over the tight box around it, or, where no piece fits there, its halves.
+static kn_status plan_rect(kn_ctx *ctx, cell_work *w, int patch, const kn_job_place *place, kn_job_rect rect)
 {
     enum { CROSSING_DEPTH = 6 };
     kn_bezier d = {0};
-    kn_status status = kn_job_restrict(ctx, &d, &w->job->patches[patch], rect);
+    kn_status status = kn_job_restrict(ctx, &d, &w->job->patches[patch], rect, place->turn);
     if (status != KN_OK) return status;
     double lo[2], hi[2];
     kn_job_box(lo, hi, &d);
     int depth = rect.level[0] + rect.level[1], index = 0, var = 0;
-    bool crosses = crosses_knot(w->surface, target, lo, hi), fits = false;
+    bool crosses = crosses_knot(&w->job->surfaces[place->surface], place->cell, lo, hi), fits = false;
     if (!crosses) {
-        status = kn_job_pieces_get(ctx, &index, &w->pieces, target, lo, hi);
+        status = kn_job_pieces_get(ctx, &index, &w->pieces, place, lo, hi);
         fits = status == KN_OK && w->pieces.list[index].fits;
     }
-    if (status == KN_OK && fits) status = add_leaf(ctx, w, patch, rect, false, &w->pieces.list[index].piece);
+    if (status == KN_OK && fits)
+        status = add_leaf(ctx, w, patch, rect, place->turn, false, &w->pieces.list[index].piece);
     if (status == KN_OK && !fits) {
         if (depth >= (crosses ? CROSSING_DEPTH : 2 * KN_JOB_MAX_DEPTH))
             status = give_up(ctx, w, patch, crosses);
@@ -142,7 +142,7 @@ static kn_status plan_rect(kn_ctx *ctx, cell_work *w, int patch, const int targe
             kn_job_rect part = rect;
             part.level[var]++;
             part.index[var] = (uint16_t)(2 * rect.index[var] + half);
-            status = plan_rect(ctx, w, patch, target, part);
+            status = plan_rect(ctx, w, patch, place, part);
         }
     }
     kn_bezier_clear(ctx, &d);
@@ -153,24 +153,24 @@ static kn_status plan_patch(kn_ctx *ctx, cell_work *w, int patch)
 {
     static const double zero[2] = {0.0, 0.0}, one[2] = {1.0, 1.0};
     const kn_job_patch *p = &w->job->patches[patch];
-    const int target[2] = {w->cell[0] + p->offset[0], w->cell[1] + p->offset[1]};
+    kn_job_place place = kn_job_find_place(w->job, w->surface, w->cell, p->offset);
     kn_job_rect all = {{0, 0}, {0, 0}};
     if (p->inside) {
         int index;
-        kn_status status = kn_job_pieces_get(ctx, &index, &w->pieces, target, zero, one);
+        kn_status status = kn_job_pieces_get(ctx, &index, &w->pieces, &place, zero, one);
         if (status != KN_OK) return status;
-        if (w->pieces.list[index].fits) return add_leaf(ctx, w, patch, all, true, &w->pieces.list[index].piece);
+        if (w->pieces.list[index].fits)
+            return add_leaf(ctx, w, patch, all, place.turn, true, &w->pieces.list[index].piece);
     }
-    return plan_rect(ctx, w, patch, target, all);
+    return plan_rect(ctx, w, patch, &place, all);
 }
 
 static kn_status plan_cell(kn_ctx *ctx, void *user, size_t index)
 {
     planning *p = user;
     cell_work w = {.job = p->job, .plan = &p->plans[index]};
-    kn_job_locate(p->job, index, &w.surface_index, w.cell);
-    w.surface = &p->job->surfaces[w.surface_index];
-    w.pieces.surface = w.surface;
+    kn_job_locate(p->job, index, &w.surface, w.cell);
+    w.pieces.job = p->job;
     w.plan->normal.certified = true;
     kn_status status = KN_OK;
     for (int k = 0; status == KN_OK && k < p->job->npatches; k++) status = plan_patch(ctx, &w, k);

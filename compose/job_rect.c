@@ -4,7 +4,18 @@
 
 #include <math.h>
 
-kn_status kn_job_restrict(kn_ctx *ctx, kn_bezier *out, const kn_job_patch *patch, kn_job_rect rect)
+// One quarter turn about (1/2, 1/2): (u, v) -> (1 - v, u).
+static void turn_once(kn_bezier *d)
+{
+    size_t n = kn_bezier_count(d);
+    for (size_t i = 0; i < n; i++) {
+        double u = d->coef[i];
+        d->coef[i] = 1.0 - d->coef[n + i];
+        d->coef[n + i] = u;
+    }
+}
+
+kn_status kn_job_restrict(kn_ctx *ctx, kn_bezier *out, const kn_job_patch *patch, kn_job_rect rect, int turn)
 {
     kn_bezier part[2] = {{0}, {0}}, d = {0};
     kn_status status = kn_bezier_copy(ctx, &d, &patch->d);
@@ -13,6 +24,7 @@ kn_status kn_job_restrict(kn_ctx *ctx, kn_bezier *out, const kn_job_patch *patch
             status = kn_bezier_subdivide(ctx, &part[0], &part[1], &d, var, 0.5);
             if (status == KN_OK) kn_bezier_swap(&d, &part[(rect.index[var] >> l) & 1]);
         }
+    for (int k = 0; status == KN_OK && k < turn; k++) turn_once(&d);
     if (status == KN_OK) kn_bezier_swap(out, &d);
     kn_bezier_clear(ctx, &part[0]);
     kn_bezier_clear(ctx, &part[1]);
@@ -50,7 +62,7 @@ kn_status kn_job_in_box(kn_ctx *ctx, kn_bezier *out, double lo[2], double hi[2],
                         const kn_job_key *key)
 {
     kn_bezier d = {0};
-    kn_status status = kn_job_restrict(ctx, &d, &job->patches[key->patch], key->rect);
+    kn_status status = kn_job_restrict(ctx, &d, &job->patches[key->patch], key->rect, key->turn);
     if (status != KN_OK) return status;
     if (key->whole) {
         for (int c = 0; c < 2; c++) lo[c] = 0.0, hi[c] = 1.0;

@@ -151,7 +151,6 @@ static kn_status product_init(kn_ctx *ctx, product **out, const runner *r, const
 
 typedef struct composer {
     const runner *run;
-    const kn_job_surface *surface;
     int surface_index, ncomp;
     kn_job_pieces pieces; // of the current cell
     const double **rows;  // of these pieces, as many as have been asked for
@@ -193,16 +192,16 @@ static kn_status compose_symbolic(kn_ctx *ctx, const composer *c, const kn_job_k
 static kn_status leaf_piece(kn_ctx *ctx, composer *c, int *index, const kn_job_key *key, const int cell[2])
 {
     const kn_job_patch *p = &c->run->job->patches[key->patch];
-    const int target[2] = {cell[0] + p->offset[0], cell[1] + p->offset[1]};
+    kn_job_place place = kn_job_find_place(c->run->job, c->surface_index, cell, p->offset);
     double lo[2] = {0.0, 0.0}, hi[2] = {1.0, 1.0};
     if (!key->whole) {
         kn_bezier d = {0};
-        kn_status status = kn_job_restrict(ctx, &d, p, key->rect);
+        kn_status status = kn_job_restrict(ctx, &d, p, key->rect, key->turn);
         if (status != KN_OK) return status;
         kn_job_box(lo, hi, &d);
         kn_bezier_clear(ctx, &d);
     }
-    return kn_job_pieces_get(ctx, index, &c->pieces, target, lo, hi);
+    return kn_job_pieces_get(ctx, index, &c->pieces, &place, lo, hi);
 }
 
 static kn_status compose_leaf(kn_ctx *ctx, composer *c, uint32_t leaf, const int cell[2], const kn_patch_id *before)
@@ -298,8 +297,8 @@ static kn_status compose_block(kn_ctx *ctx, const runner *r, const range *b, pro
     composer c = {.run = r, .product = p};
     int cell[2];
     kn_job_locate(r->job, b->first_cell, &c.surface_index, cell);
-    c.surface = c.pieces.surface = &r->job->surfaces[c.surface_index];
-    c.ncomp = components(c.surface);
+    c.pieces.job = r->job;
+    c.ncomp = components(&r->job->surfaces[c.surface_index]);
     size_t most = 0; // leaves of a cell, and so pieces
     for (size_t i = 0; i < b->ncells; i++) {
         size_t count = r->job->cells[b->first_cell + i].count;

@@ -168,9 +168,9 @@ typedef struct kn_job kn_job;
 // Plans tile x cells over the surfaces (dim 3, two variables; copied, as the tile is). Counts, shells and
 // subdivisions are decided here. Cell lines are uniform in each knot span. A tile patch that crosses cell lines along
 // its own parameter lines is cut there and continues in the next cell (wrapped where the surface is closed, on the
-// extended surface beyond an open end); otherwise it keeps its cell, over a box that reaches beyond it. Where no
-// polynomial normal of low degree over the whole cell is within normal_tol, patches are composed over smaller boxes
-// and bisected as needed.
+// surface at the other side of a shared edge, on its own extended surface beyond an open end); otherwise it keeps its
+// cell, over a box that reaches beyond it. Where no polynomial normal of low degree over the whole cell is within
+// normal_tol, patches are composed over smaller boxes and bisected as needed.
 //
 // out:    *out, ended by kn_job_destroy.
 // fails:  as kn_shell_create, kn_spline_check and kn_tile_check; KN_EDOMAIN options negative or not finite, fewer
@@ -188,11 +188,6 @@ KN_API const kn_shell *kn_job_shell(const kn_job *job, int surface);
 // The cell lines of a surface in variable var, in its own parameters: kn_shell_cells + 1 numbers. NULL: no such
 // surface.
 KN_API const double *kn_job_lines(const kn_job *job, int surface, int var);
-// Where an output patch lies: the cell, perhaps of another surface than the tile's own, when it reached over an edge
-// that the two share; perhaps beyond an open end of the surface, or -1 and the like where a direction is closed.
-typedef struct kn_patch_place {
-    int surface, cell[2];
-} kn_patch_place;
 // Where the (u,v) of a tile patch count from: the corner of this cell, which is [0,1]^2.
 typedef struct kn_patch_place {
     int surface, cell[2];

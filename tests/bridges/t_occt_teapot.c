@@ -155,15 +155,16 @@ static void direct(long double out[3], long double *loss, const kn_spline *surfa
 static bool expect_point(scene *s, size_t k)
 {
     const kn_patch_id *id = &s->record.id[k];
-    const kn_shell *shell = kn_job_shell(s->job, id->surface);
     double at[2] = {test_uniform(&s->rng, 0.0, 1.0), test_uniform(&s->rng, 0.0, 1.0)}, found[3], d[3], shown[3];
     kn_bezier source = {0};
     assert_int_equal(kn_occt_eval(s->ctx, found, NULL, s->model, (int)k, at[0], at[1]), KN_OK);
-    assert_int_equal(kn_job_source(s->ctx, &source, s->job, id), KN_OK);
+    kn_patch_place place;
+    assert_int_equal(kn_job_source(s->ctx, &source, &place, s->job, id), KN_OK);
     assert_int_equal(kn_bezier_eval(s->ctx, d, &source, at), KN_OK);
     kn_bezier_clear(s->ctx, &source);
-    const double *lu = kn_job_lines(s->job, id->surface, 0) + id->cell[0];
-    const double *lv = kn_job_lines(s->job, id->surface, 1) + id->cell[1];
+    const kn_shell *shell = kn_job_shell(s->job, place.surface);
+    const double *lu = kn_job_lines(s->job, place.surface, 0) + place.cell[0];
+    const double *lv = kn_job_lines(s->job, place.surface, 1) + place.cell[1];
     double u = lu[0] + d[0] * (lu[1] - lu[0]), v = lv[0] + d[1] * (lv[1] - lv[0]);
 
     long double expected[3], loss;

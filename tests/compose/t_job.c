@@ -112,15 +112,16 @@ static void check_against_direct(kn_ctx *ctx, const kn_job *job, const kn_spline
     assert_true(report.normal.certified);
     for (size_t i = 0; i < r->count; i += stride) {
         const kn_patch *p = &r->patches[i];
-        base b = base_of(ctx, &surfaces[p->id.surface]);
         kn_bezier d = {0};
-        assert_int_equal(kn_job_source(ctx, &d, job, &p->id), KN_OK);
+        kn_patch_place place;
+        assert_int_equal(kn_job_source(ctx, &d, &place, job, &p->id), KN_OK);
+        base b = base_of(ctx, &surfaces[place.surface]);
         for (int run = 0; run < 3; run++) {
             long double x[2] = {test_uniform(rng, 0.02, 0.98), test_uniform(rng, 0.02, 0.98)};
             long double uvw[3][4], got[3][4], at[2], s[3], n[3];
             eval_piece(uvw, &d, x);
             eval_piece(got, &p->bezier, x);
-            for (int v = 0; v < 2; v++) at[v] = parameter(job, p->id.surface, v, p->id.cell[v] + uvw[0][v]);
+            for (int v = 0; v < 2; v++) at[v] = parameter(job, place.surface, v, place.cell[v] + uvw[0][v]);
             eval_base(s, n, &b, at);
             long double error = 0, size = 0, w = uvw[0][2];
             for (int c = 0; c < 3; c++) {
@@ -470,6 +471,75 @@ static void exact_cells_share_edges(void **state)
 }
 
 // Built-in tiles over a bent patch.
+// Two flat squares, [0,1]^2 and [1,2] x [0,1] of the plane z = 0, the second with its parameters turned by `turns`
+// quarter turns: its edge at x = 1 is each of its four edges in turn.
+static void two_squares(kn_ctx *ctx, kn_spline out[2], int turns)
+{
+    static const double knots[] = {0, 0, 1, 1};
+    const double *both[2] = {knots, knots};
+    const int degree[2] = {1, 1}, count[2] = {2, 2};
+    for (int s = 0; s < 2; s++) {
+        double coef[12] = {0};
+        for (int i = 0; i < 2; i++)
+            for (int j = 0; j < 2; j++) {
+                double u = i, v = j;
+                for (int k = 0; k < (s == 1 ? turns : 0); k++) {
+                    double old = u;
+                    u = 1 - v, v = old;
+                }
+                coef[2 * i + j] = s + u, coef[4 + 2 * i + j] = v;
+            }
+        assert_int_equal(kn_spline_init(ctx, &out[s], 2, 3, false, degree, count, both, coef), KN_OK);
+    }
+}
+
+// The strip of scene_strip reaches a quarter of a cell over both ends of u. Over flat squares T(D) is D itself,
+// scaled and moved, wherever the tile continues over the shared edge: every piece of square 0's cell lies where the
+// strip over the plane does, however the other square is parametrized, and the piece beyond names the other square.
+static void tiles_continue_on_the_neighbour(void **state)
+{
+    (void)state;
+    for (int turns = 0; turns < 4; turns++) {
+        test_memory memory = TEST_MEMORY_INIT;
+        kn_ctx *ctx = test_ctx(&memory, 1);
+        kn_spline squares[2] = {{0}};
+        kn_tile strip = {0};
+        kn_job *job = NULL;
+        scene_result r = {0};
+        two_squares(ctx, squares, turns);
+        scene_strip(ctx, &strip);
+        assert_int_equal(kn_job_create(ctx, &job, squares, 2, &strip,
+                                       &(kn_job_options){.count = {2, 2}, .height = 0.125, .normal_tol = 1e-9}),
+                         KN_OK);
+        run_job(ctx, job, &r);
+        int beyond = 0;
+        for (size_t i = 0; i < r.count; i++) {
+            const kn_patch *p = &r.patches[i];
+            kn_patch_place place;
+            kn_bezier d = {0};
+            assert_int_equal(kn_job_source(ctx, &d, &place, job, &p->id), KN_OK);
+            kn_bezier_clear(ctx, &d);
+            if (p->id.surface != 0 || p->id.cell[0] != 1) continue;
+            beyond += place.surface == 1;
+            double y0 = 0.5 * p->id.cell[1];
+            size_t n = kn_bezier_count(&p->bezier);
+            for (size_t k = 0; k < n; k++) { // cells are 1/2 wide, v of the strip is in [1/4, 3/4]
+                double x = p->bezier.coef[k], y = p->bezier.coef[n + k];
+                assert_true(x >= 0.5 - 0.125 - 1e-9 && x <= 1 + 0.125 + 1e-9);
+                assert_true(y >= y0 + 0.125 - 1e-9 && y <= y0 + 0.375 + 1e-9);
+                if (place.surface == 1) assert_true(x >= 1 - 1e-9);
+            }
+        }
+        assert_int_equal(beyond, 2); // one in each of the two cells at the shared edge
+        check_against_direct(ctx, job, squares, &r, &(test_rng){7}, 1);
+        scene_result_clear(&r);
+        kn_job_destroy(ctx, job);
+        kn_tile_clear(ctx, &strip);
+        for (int s = 0; s < 2; s++) kn_spline_clear(ctx, &squares[s]);
+        test_ctx_end(ctx, &memory);
+    }
+}
+
 static void builtin_tiles(void **state)
 {
     (void)state;
@@ -506,6 +576,7 @@ int main(void)
                                        cmocka_unit_test(same_for_any_threads),
                                        cmocka_unit_test(matrix_equals_symbolic),
                                        cmocka_unit_test(exact_cells_share_edges),
+                                       cmocka_unit_test(tiles_continue_on_the_neighbour),
                                        cmocka_unit_test(builtin_tiles)};
     return cmocka_run_group_tests_name("compose/job", tests, NULL, NULL);
 }
