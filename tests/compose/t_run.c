@@ -95,7 +95,7 @@ static void bad_operands(void **state)
                                {0, {0, -1}, 0, 0, 0}, {0, {0, 0}, 1, 0, 0}, {0, {0, 0}, 0, 4, 0},
                                {0, {0, 0}, 0, 0, -1}, {0, {0, 0}, 0, 0, 99}};
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++)
-        assert_int_equal(kn_job_source(ctx, &d, job, &bad[i]), KN_EDOMAIN);
+        assert_int_equal(kn_job_source(ctx, &d, NULL, job, &bad[i]), KN_EDOMAIN);
     assert_null(d.coef);
     kn_sink_close(ctx, &sink);
     assert_int_equal(kn_job_run(ctx, job, &sink, 1), KN_EDOMAIN); // closed
@@ -282,7 +282,7 @@ static kn_status source_call(kn_ctx *ctx, void *user)
     const running *w = user;
     kn_bezier d = {0};
     const kn_patch_id id = {0};
-    kn_status status = kn_job_source(ctx, &d, w->job, &id);
+    kn_status status = kn_job_source(ctx, &d, NULL, w->job, &id);
     assert_true((status == KN_OK) == (d.coef != NULL));
     kn_bezier_clear(ctx, &d);
     return status;
