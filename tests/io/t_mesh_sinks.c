@@ -123,7 +123,8 @@ static void stl_degenerate(void **state)
     kn_bezier *b = &w.patch[0].bezier;
     size_t n = kn_bezier_count(b);
     for (size_t k = 0; k < n; k++) { // a strip of width 1e-12 about x = 1
-        b->coef[k] = 1.0 + 1e-12 * (double)(k / 3);
+        size_t row = k / 3;
+        b->coef[k] = 1.0 + 1e-12 * (double)row;
         b->coef[n + k] = (double)(k % 3);
         b->coef[2 * n + k] = 0.0;
     }

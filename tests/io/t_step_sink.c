@@ -72,7 +72,8 @@ static int compare(const void *a, const void *b)
 static void expect_consistent(const char *text)
 {
     int n = 0, room = count(text, "\n#");
-    long *defined = calloc((size_t)room, sizeof *defined);
+
+    long *defined = calloc((size_t)room + 1, sizeof *defined);
     assert_non_null(defined);
     for (const char *at = strstr(text, "\n#"); at != NULL; at = strstr(at + 1, "\n#")) {
         char *end;
