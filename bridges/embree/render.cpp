@@ -24,7 +24,9 @@ constexpr float epsilon = 2e-5f; // ray offsets, in radii of the object
 constexpr float far_away = 1e30f;
 constexpr float indirect_limit = 2.5f; // luminance of one bounce's contribution: above it are fireflies
 constexpr float enough = 0.010f;       // standard error at which a pixel is done
-constexpr float ground_limit = 0.6f;   // and of the object's light on the ground
+constexpr float sample_limit =
+    3.0f; // of a whole sample: white, and small enough that edges of highlights stay smooth
+constexpr float ground_limit = 0.6f; // and of the object's light on the ground
 
 // One item as the tracer sees it. position has room for Embree's 16-byte loads behind the last vertex.
 struct shape {
@@ -259,7 +261,7 @@ void trace_sample(const tracer &t, pixel *px, int x, int y, const sampler &point
     hit h = intersect(t, t.cam.eye, d);
     px->samples += 1.0f;
     if (h.item >= 0) {
-        px->object = px->object + follow(t, h, d, points, 1, t.bounces);
+        px->object = px->object + limit(follow(t, h, d, points, 1, t.bounces), sample_limit);
         px->normal = px->normal + h.normal, px->depth += h.distance;
         return;
     }
@@ -276,8 +278,7 @@ void trace_pixel(const tracer &t, int x, int y)
     pixel px = {};
     float sum = 0.0f, squares = 0.0f, variance = 0.0f, n = 0.0f;
     for (int i = 0; i < t.samples; i++) {
-        bool plain = px.ground == n && n >= 8.0f,
-             sure = px.ground == 0.0f && variance < enough * enough && n >= 8.0f;
+        bool plain = px.ground == n && n >= 8.0f, sure = px.ground == 0.0f && variance < enough * enough && n >= 8.0f;
         if (i % 8 == 0 && (plain || sure)) break;
         float before = luminance(px.object);
         points.index = static_cast<uint32_t>(i);
@@ -346,27 +347,41 @@ bool is_smooth(const pixel &px)
     return px.ground == 0.0f && dot(px.normal, px.normal) > 0.995f * px.samples * px.samples;
 }
 
-// The object is like the object at nearly the same normal and distance, of a brightness that differs by noise only.
+// How much a pixel of the object is like this one by its place: its normal and its distance; 0: not at all.
+float likeness(const pixel &px, const pixel *other, float reach)
+{
+    if (!other || !is_smooth(*other)) return 0.0f;
+    vec turn = normalize(other->normal) - normalize(px.normal);
+    float away = (other->depth / other->samples - px.depth / px.samples) / reach;
+    float unlike = dot(turn, turn) * 200.0f + away * away;
+    return 1.0f / (1.0f + unlike * unlike);
+}
+
+// The object is averaged with what is like it by place, and of a brightness that differs by noise only. The noise is
+// that of the neighbourhood: a pixel's own estimate, from few samples, is often far too small.
 void smooth_object(const tracer &t, int x, int y, pixel *px)
 {
     const int from = t.pass & 1, step = 1 << t.pass;
-    const layer &mine = px->smooth[from];
-    const vec normal = normalize(px->normal);
-    const float depth = px->depth / px->samples, reach = 0.01f * static_cast<float>(step);
+    const float reach = 0.01f * static_cast<float>(step);
+    float like[25], total = 0.0f, noise = 0.0f, variance = 0.0f;
+    for (int k = 0; k < 25; k++) {
+        const int i = k % 5 - 2, j = k / 5 - 2;
+        const pixel *other = neighbour(t, x + i * step, y + j * step);
+        like[k] = spline[std::abs(i)] * spline[std::abs(j)] * likeness(*px, other, reach);
+        total += like[k];
+        if (like[k] > 0.0f) noise += like[k] * other->smooth[from].variance;
+    }
+    noise = noise / total + 2e-5f;
     vec colour = {0.0f, 0.0f, 0.0f};
-    float total = 0.0f, variance = 0.0f;
-    for (int j = -2; j <= 2; j++)
-        for (int i = -2; i <= 2; i++) {
-            const pixel *other = neighbour(t, x + i * step, y + j * step);
-            if (!other || !is_smooth(*other)) continue;
-            const layer &theirs = other->smooth[from];
-            vec turn = normalize(other->normal) - normal, differ = theirs.colour - mine.colour;
-            float away = (other->depth / other->samples - depth) / reach, noise = mine.variance + theirs.variance;
-            float unlike = dot(turn, turn) * 200.0f + away * away + 0.25f * dot(differ, differ) / (noise + 3e-5f);
-            float w = spline[std::abs(i)] * spline[std::abs(j)] / (1.0f + unlike * unlike);
-            colour = colour + w * theirs.colour;
-            variance += w * w * theirs.variance, total += w;
-        }
+    total = 0.0f;
+    for (int k = 0; k < 25; k++) {
+        if (!(like[k] > 0.0f)) continue;
+        const layer &theirs = neighbour(t, x + (k % 5 - 2) * step, y + (k / 5 - 2) * step)->smooth[from];
+        vec differ = theirs.colour - px->smooth[from].colour;
+        float unlike = dot(differ, differ) / (8.0f * noise), w = like[k] / (1.0f + unlike * unlike);
+        colour = colour + w * theirs.colour;
+        variance += w * w * theirs.variance, total += w;
+    }
     px->smooth[1 - from].colour = (1.0f / total) * colour;
     px->smooth[1 - from].variance = variance / (total * total);
 }
@@ -387,6 +402,22 @@ uint8_t to_byte(float linear, float noise)
     return static_cast<uint8_t>(clamp(255.0f * encode_srgb(linear) + 0.5f + noise, 0.0f, 255.0f));
 }
 
+// A pixel of the object that outshines all its neighbours is an accident of sampling: it becomes as bright as they
+// are.
+vec without_speck(const tracer &t, int x, int y, const layer &own)
+{
+    float most = 0.0f;
+    int n = 0;
+    for (int j = -1; j <= 1; j++)
+        for (int i = -1; i <= 1; i++) {
+            const pixel *other = i || j ? neighbour(t, x + i, y + j) : nullptr;
+            if (!other || other->ground == other->samples) continue;
+            float bright = luminance(other->smooth[OBJECT_PASSES & 1].colour);
+            most = bright > most ? bright : most, n++;
+        }
+    return n > 3 ? limit(own.colour, most) : own.colour;
+}
+
 // Half a step of noise hides the bands of the backdrop's slow gradient.
 kn_status develop_row(kn_ctx *, void *user, size_t row)
 {
@@ -400,7 +431,8 @@ kn_status develop_row(kn_ctx *, void *user, size_t row)
         float cover = 1.0f - px.ground / px.samples;
         vec light = {share(ground.lit.x, ground.open.x), share(ground.lit.y, ground.open.y),
                      share(ground.lit.z, ground.open.z)};
-        vec c = cover * object.colour + (1.0f - cover) * (light * backdrop(x, y));
+        vec seen = cover > 0.0f ? without_speck(t, i, static_cast<int>(row), object) : object.colour;
+        vec c = cover * seen + (1.0f - cover) * (light * backdrop(x, y));
         uint32_t n = hash(static_cast<uint32_t>(at), 0x2c1b3c6du);
         float noise = sampler::unit(n) - 0.5f;
         t.rgb[3 * at] = to_byte(c.x, noise);
