@@ -15,16 +15,26 @@ typedef struct kn_model {
     kn_spline *splines;
     int nsplines;
 } kn_model;
-KN_API void kn_model_clear(kn_ctx *ctx, kn_model *model);
+KN_API void kn_model_clear(kn_ctx *ctx, kn_model *model); // leaves it empty
 
-// Each kn_read_x opens path and calls kn_parse_x on its bytes; name stands for the file in messages. text need not
-// end in a zero byte. Coordinates become the components, u the first variable. fails: KN_EPARSE ("name:line: what,
-// value"), KN_EIO, KN_ELIMIT, KN_ENOMEM; out unchanged. .bpt: a count, then for each Bezier patch "m n" and
-// (m+1)(n+1) points, u running fastest (teapot.bpt).
+// Each kn_read_x opens path and calls kn_parse_x on its bytes; name stands for the file in messages.
+// in:     text need not end in a zero byte. Numbers are decimal, whatever the locale is.
+// out:    overwritten (what it held is cleared); kn_model_clear. Coordinates become the components, u the first
+//         variable. Every spline passes kn_spline_check.
+// fails:  KN_EPARSE, "name:line: what, value": what is missing, no number, not finite, a weight that is not positive,
+//         knots that decrease, a surface of zero area (all control points on a line, or a net that does not change
+//         along one variable), counts that cannot fit the bytes that follow, text after the end. KN_ELIMIT, KN_EIO,
+//         KN_ENOMEM. out unchanged.
+// error:  each number is the double nearest to its text.
+// cost:   the file's bytes and the splines in memory; nothing is allocated for a count before it is known to fit.
+
+// .bpt: a count, then for each Bezier patch its degrees "m n" and (m+1)(n+1) points, u running fastest.
 KN_API KN_CHECKED kn_status kn_read_bpt(kn_ctx *ctx, kn_model *out, const char *path);
 KN_API KN_CHECKED kn_status kn_parse_bpt(kn_ctx *ctx, kn_model *out, const char *name, const char *text,
                                          size_t bytes);
-// GoTools .g2: spline curves (100), surfaces (200) and volumes (700), polynomial or rational.
+// GoTools .g2: spline curves (100), surfaces (200) and volumes (700), polynomial or rational (control points already
+// multiplied by their weights). Knots that are not clamped become so by knot insertion: the same function, with a few
+// roundings.
 KN_API KN_CHECKED kn_status kn_read_g2(kn_ctx *ctx, kn_model *out, const char *path);
 KN_API KN_CHECKED kn_status kn_parse_g2(kn_ctx *ctx, kn_model *out, const char *name, const char *text, size_t bytes);
 // By the ending of path: .bpt or .g2 (KN_EDOMAIN otherwise).
@@ -45,18 +55,41 @@ KN_API KN_CHECKED kn_status kn_builtin_tile(kn_ctx *ctx, kn_tile *out, const cha
 //        out unchanged.
 KN_API KN_CHECKED kn_status kn_read_tile(kn_ctx *ctx, kn_tile *out, const char *path, const double *cell);
 
-// ---- writers: sinks that write to a temporary name beside path, and rename it when the job has ended ----
+// ---- writers ----
+
+// Sinks for kn_job_run that write a new file beside path and give it the name when the job has ended: path is whole
+// or as it was before. A path that exists and is neither file nor folder (a pipe, /dev/null) is written to directly.
+// out:    overwritten; kn_sink_close removes the file unless the job ended well. bytes: what is written so far.
+// fails:  KN_EIO at once when the file cannot be created, later when it cannot be written (a full disk); KN_ENOMEM,
+//         KN_EDOMAIN (options; patches that the job's report did not announce). out unchanged.
+// memory: the text of the blocks in flight. The same bytes for any number of threads.
+
 typedef struct kn_step_options {
-    const char *product;   // name in the product structure; NULL: "knurl"
+    const char *product;   // name in the product structure, UTF-8; NULL: "knurl"
     double unit_mm;        // millimetres in one length unit; 0: 1
-    double uncertainty_mm; // UNCERTAINTY_MEASURE_WITH_UNIT; 0: 1e-3
+    double uncertainty_mm; // UNCERTAINTY_MEASURE_WITH_UNIT, the largest gap between neighbouring faces; 0: 1e-3
     const char
         *time_stamp; // ISO 8601 for the header; NULL: "1970-01-01T00:00:00", so that equal jobs give equal bytes
 } kn_step_options;
+
+// STEP AP214 in millimetres: one ADVANCED_FACE for each patch, on its own control points, named "s0 c3,4 ring 12":
+// surface, cell, part, patch (".1": piece); edges that are collapsed to a point (within 1e-7 mm or 1e-12 of the
+// coordinates) left out; a shell and a colour for each part of the tile. Rational form only where weights differ.
+// fails: also KN_EUNDEFINED (a control point that is not finite, a weight that is not positive), KN_ELIMIT (more than
+//        2^31 entities).
+// error: coordinates are the shortest decimals that read back as the same doubles; before that, one rounding for the
+//        unit unless it is 1, one for the projection of a rational point.
 KN_API KN_CHECKED kn_status kn_step_sink(kn_ctx *ctx, kn_sink *out, const char *path, const kn_step_options *options);
+
+// Binary STL: single precision, triangles of which two corners then coincide left out. fails: also KN_ELIMIT (2^32
+// triangles).
 KN_API KN_CHECKED kn_status kn_stl_sink(kn_ctx *ctx, kn_sink *out, const char *path);
-KN_API KN_CHECKED kn_status kn_obj_sink(kn_ctx *ctx, kn_sink *out, const char *path); // and a .mtl beside it
-// Counts bytes and patches, writes nothing.
+
+// Wavefront OBJ with normals, positions in nine digits, a group for each part, and materials in an .mtl file beside
+// it (path with that ending).
+KN_API KN_CHECKED kn_status kn_obj_sink(kn_ctx *ctx, kn_sink *out, const char *path);
+
+// Writes nothing. bytes: of the patches' coefficients as doubles.
 KN_API KN_CHECKED kn_status kn_null_sink(kn_ctx *ctx, kn_sink *out);
 
 #ifdef __cplusplus
