@@ -41,10 +41,10 @@ static kn_status open_gltf(kn_ctx *ctx, kn_sink *out, const char *path, double u
 #endif
 
 static const writer writers[] = {
-    {"step", open_step, 66, 1500, 0, 4000}, {"stp", open_step, 66, 1500, 0, 4000},
-    {"stl", open_stl, 0, 0, 50, 84},        {"obj", open_obj, 0, 0, 75, 500},
+    {"step", open_step, 100, 1500, 0, 4000}, {"stp", open_step, 100, 1500, 0, 4000},
+    {"stl", open_stl, 0, 0, 50, 84},         {"obj", open_obj, 0, 0, 75, 500},
 #if KN_WITH_TINYGLTF
-    {"glb", open_gltf, 0, 0, 30, 2000},     {"gltf", open_gltf, 0, 0, 40, 3000},
+    {"glb", open_gltf, 0, 0, 26, 2000},      {"gltf", open_gltf, 0, 0, 35, 3000},
 #endif
 };
 

@@ -179,7 +179,7 @@ static kn_status decide_sizes(kn_ctx *ctx, kn_job *job, const kn_spline *surface
     if (status == KN_OK) {
         double size = mean_cell_size(measures, counts, job->nsurfaces);
         if (o->height == 0.0) o->height = (job->tile.aspect > 0.0 ? job->tile.aspect : 1.0) * size;
-        if (o->mesh_tol == 0.0) o->mesh_tol = size / 200.0;
+        if (o->mesh_tol == 0.0) o->mesh_tol = size / 100.0;
         job->report.cell_size = size;
         job->report.height = o->height;
         status = kn_job_make_patches(ctx, job);

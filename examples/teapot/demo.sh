@@ -43,8 +43,8 @@ texture() { # name, then options of apply
 
 printf '%-7s %6s %8s %7s %11s %12s %9s %8s %8s %8s %9s %9s\n' tile cells patches degree "ctrl points" "length err <" \
     "angle <" "STEP MB" "GLB MB" "STL MB" "apply s" "render s" >"$out/table.txt"
-texture chain --size 0.32 --normal-tol 1e-4
-texture scale --size 0.30 --normal-tol 1e-4
-texture knurl --size 0.16 --normal-tol 1e-4
+texture chain --size 0.42 --normal-tol 1e-4
+texture scale --size 0.36 --normal-tol 1e-4
+texture knurl --size 0.22 --normal-tol 1e-4
 cat "$out/table.txt"
 echo "pictures and files: $out"

@@ -106,7 +106,7 @@ typedef struct kn_job_options {
     int quarter_turns; // of the tile in its cell
     double normal_tol; // as kn_shell_options; 0: 1e-6
     int max_degree;    // of a composed patch in one variable; 0: 25 (what OCCT reads); at most KN_MAX_DEGREE
-    double mesh_tol;   // chord height of tessellations, length units; 0: 1/200 of the mean cell size
+    double mesh_tol;   // chord height of tessellations, length units; 0: 1/100 of the mean cell size
     bool symbolic;     // compose each cell symbolically (the reference) instead of by matrix
 } kn_job_options;
 KN_API kn_job_options kn_job_defaults(void);
