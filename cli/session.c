@@ -84,7 +84,8 @@ cli_session *cli_session_begin(cli_session_options options)
         return NULL;
     }
     s->quiet = options.quiet;
-    s->terminal = isatty(STDERR_FILENO) && !(getenv("TERM") && strcmp(getenv("TERM"), "dumb") == 0);
+    const char *kind = getenv("TERM");
+    s->terminal = isatty(STDERR_FILENO) && !(kind && strcmp(kind, "dumb") == 0);
     struct sigaction action = {.sa_handler = on_signal};
     sigaction(SIGINT, &action, NULL);
     sigaction(SIGTERM, &action, NULL);
