@@ -17,7 +17,7 @@ struct surface {
     // A narrow lobe alone is sampled better by itself than by points of the lights.
     bool narrow() const
     {
-        return alpha < 0.08f && diffuse.x + diffuse.y + diffuse.z < 0.02f;
+        return alpha < 0.05f && diffuse.x + diffuse.y + diffuse.z < 0.02f;
     }
 };
 

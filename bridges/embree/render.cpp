@@ -23,7 +23,6 @@ using namespace knr;
 constexpr float epsilon = 2e-5f; // ray offsets, in radii of the object
 constexpr float far_away = 1e30f;
 constexpr float indirect_limit = 2.5f; // luminance of one bounce's contribution: above it are fireflies
-constexpr float enough = 0.010f;       // standard error at which a pixel is done
 constexpr float sample_limit =
     3.0f; // of a whole sample: white, and small enough that edges of highlights stay smooth
 constexpr float ground_limit = 0.6f; // and of the object's light on the ground
@@ -269,27 +268,32 @@ void trace_sample(const tracer &t, pixel *px, int x, int y, const sampler &point
     if (h.distance < far_away) shade_ground(t, px->smooth, h, points);
 }
 
-// Every eighth sample the pixel is looked at: plain ground is averaged with its neighbours later and is soon done;
-// the object is done when the standard error of its mean, on a scale like the film's, is too small to see.
+// A pixel filled by one smooth piece of the object: its normals agree.
+bool is_smooth(const pixel &px)
+{
+    return px.ground == 0.0f && dot(px.normal, px.normal) > 0.995f * px.samples * px.samples;
+}
+
+// Plain ground is averaged with its neighbours later and needs few samples. The object gets all of them: to stop
+// where they happen to agree would leave dark specks.
 void trace_pixel(const tracer &t, int x, int y)
 {
     size_t at = static_cast<size_t>(y) * static_cast<size_t>(t.width) + static_cast<size_t>(x);
     sampler points = {hash(t.seed, static_cast<uint32_t>(at)), 0, t.mask};
     pixel px = {};
-    float sum = 0.0f, squares = 0.0f, variance = 0.0f, n = 0.0f;
+    float sum = 0.0f, squares = 0.0f, n = 0.0f;
     for (int i = 0; i < t.samples; i++) {
-        bool plain = px.ground == n && n >= 8.0f, sure = px.ground == 0.0f && variance < enough * enough && n >= 8.0f;
-        if (i % 8 == 0 && (plain || sure)) break;
+        if ((i == 8 && px.ground == n) || (2 * i == t.samples && i >= 8 && is_smooth(px))) break;
         float before = luminance(px.object);
         points.index = static_cast<uint32_t>(i);
         trace_sample(t, &px, x, y, points);
-        float more = luminance(px.object) - before, shown = more / (0.4f + more);
-        sum += shown, squares += shown * shown, n += 1.0f;
-        variance = n > 1.0f ? (squares - sum * sum / n) / (n * (n - 1.0f)) : 1.0f;
+        float more = luminance(px.object) - before;
+        sum += more, squares += more * more, n += 1.0f;
     }
-    float cover = n - px.ground;
+    float cover = n - px.ground, mean = sum / n;
+    float variance = n > 1.0f ? (squares / n - mean * mean) / (n - 1.0f) : 1.0f;
     if (cover > 0.0f) px.smooth[0].colour = film((1.0f / cover) * px.object);
-    px.smooth[0].variance = variance > 0.0f ? variance : 0.0f;
+    px.smooth[0].variance = clamp(variance, 0.0f, 1.0f) / (1.0f + mean * mean); // the film flattens what is bright
     px.smooth[1] = px.smooth[0];
     t.film[at] = px;
 }
@@ -339,12 +343,6 @@ void smooth_ground(const tracer &t, int x, int y, pixel *px)
             lit = lit + w * sums.lit, open = open + w * sums.open;
         }
     px->smooth[1 - from].lit = lit, px->smooth[1 - from].open = open;
-}
-
-// A pixel filled by one smooth piece of the object: its normals agree.
-bool is_smooth(const pixel &px)
-{
-    return px.ground == 0.0f && dot(px.normal, px.normal) > 0.995f * px.samples * px.samples;
 }
 
 // How much a pixel of the object is like this one by its place: its normal and its distance; 0: not at all.
@@ -588,7 +586,7 @@ kn_status check_options(kn_ctx *ctx, kn_render_options *o)
     if (o->up != KN_UP_Z && o->up != KN_UP_Y) return kn_fail(ctx, KN_EDOMAIN, "render: up axis %d", o->up);
     if (o->width == 0) o->width = 1600;
     if (o->height == 0) o->height = 1200;
-    if (o->samples == 0) o->samples = 16;
+    if (o->samples == 0) o->samples = 24;
     if (o->bounces == 0) o->bounces = 4;
     if (o->elevation == 0.0) o->elevation = 18.0;
     if (o->fov == 0.0) o->fov = 24.0;

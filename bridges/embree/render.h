@@ -16,7 +16,7 @@ enum { KN_RENDER_MAX_SIDE = 1 << 14, KN_RENDER_MAX_SAMPLES = 1 << 14, KN_RENDER_
 // Zero means the default in every field.
 typedef struct kn_render_options {
     int width, height; // pixels; 0: 1600 and 1200
-    int samples;       // paths for each pixel, at most; 0: 16
+    int samples;       // paths for a pixel of fine detail; half as many for smooth ones; 0: 24
     int bounces;       // surfaces of the object that a path meets; 0: 4
     kn_up_axis up;     // of the scene's coordinates: KN_UP_Z for models, KN_UP_Y for glTF
     double
