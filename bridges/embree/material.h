@@ -15,9 +15,9 @@ struct surface {
     vec diffuse, f0;
     float alpha;
     // A narrow lobe alone is sampled better by itself than by points of the lights.
-    bool narrow() const
+    bool narrower(float than) const
     {
-        return alpha < 0.05f && diffuse.x + diffuse.y + diffuse.z < 0.02f;
+        return alpha < than && diffuse.x + diffuse.y + diffuse.z < 0.02f;
     }
 };
 

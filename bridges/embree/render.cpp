@@ -199,7 +199,7 @@ vec follow(const tracer &t, hit h, vec d, const sampler &points, uint32_t pair, 
         frame at(h.normal);
         vec wo = at.to_local(-d);
         point2 a = points.point(pair), b = points.point(pair + 1), c = points.point(pair + 2);
-        bool narrow = look.narrow();
+        bool narrow = look.narrower(bounce ? 0.2f : 0.05f); // what is seen in another thing may be noisier
         choice of = narrow ? choice{} : choose_lights(t.st, h.origin, h.normal);
         vec here = narrow ? vec{0.0f, 0.0f, 0.0f} : carried * direct(t, h, look, at, wo, of, a.x, b);
         sum = sum + (bounce ? limit(here, indirect_limit) : here);
