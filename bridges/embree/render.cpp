@@ -643,7 +643,7 @@ kn_status kn_render(kn_ctx *ctx, uint8_t *rgb, const kn_scene *scene, const kn_r
     kn_status status = check_options(ctx, &o);
     placement pl = {};
     const double turn = (o.azimuth + three_quarter) * 3.14159265358979324 / 180.0;
-    pl.turn[0] = std::cos(turn), pl.turn[1] = std::sin(turn), pl.up = o.up;
+    pl.turn[0] = std::cos(turn), pl.turn[1] = std::sin(turn), pl.up = o.up == KN_UP_Y ? KN_UP_Y : KN_UP_Z;
     if (status == KN_OK) status = measure(ctx, &pl, scene);
     if (status != KN_OK) return status;
 

@@ -210,7 +210,7 @@ static void bad_scenes_and_options_are_refused(void **state)
     } bad[] = {{small(), KN_EDOMAIN}, {small(), KN_EDOMAIN}, {small(), KN_EDOMAIN}, {small(), KN_EDOMAIN},
                {small(), KN_EDOMAIN}, {small(), KN_ELIMIT},  {small(), KN_ELIMIT},  {small(), KN_ELIMIT}};
     bad[0].o.width = -1, bad[1].o.elevation = 90, bad[2].o.fov = 120, bad[3].o.azimuth = NAN;
-    bad[4].o.up = (kn_up_axis)2;
+    bad[4].o.up = 2;
     bad[5].o.height = KN_RENDER_MAX_SIDE + 1, bad[6].o.samples = KN_RENDER_MAX_SAMPLES + 1;
     bad[7].o.bounces = KN_RENDER_MAX_BOUNCES + 1;
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++)
