@@ -39,8 +39,9 @@ double kn_gamma(double k);
 
 // ---- numerator.c ----
 // *out = the direction of one piece of S; *zero: its area vanishes identically (then *out stays empty).
-// u0, u1: the box of the span, for messages.
-kn_status kn_direction_init(kn_ctx *ctx, kn_direction *out, bool *zero, const kn_bezier *piece);
+// acting: the largest vector (without the weight) and weight among the control points of S behind the piece.
+kn_status kn_direction_init(kn_ctx *ctx, kn_direction *out, bool *zero, const kn_bezier *piece,
+                            const double acting[2]);
 void kn_direction_clear(kn_ctx *ctx, kn_direction *d);
 // The unit normal at x in [0,1]^2 of the span; false (and zeros) where the direction vanishes.
 bool kn_direction_unit(double unit[3], const kn_bezier *direction, const double x[2]);

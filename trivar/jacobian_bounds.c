@@ -53,6 +53,7 @@ static range hull(const quadratic *q, double w0, double w1)
         double slack = error + kn_gamma(16) * (fabs(c[0]) + w * (fabs(c[1]) + w * fabs(c[2])));
         range r = quadratic_range(c, w0, w1);
         double lo = r.lo - slack, hi = r.hi + slack;
+        if (!(lo <= hi)) return (range){-INFINITY, INFINITY}; // overflow: nothing is known
         if (q->w4.coef) {
             double d = q->w4.coef[i], off = 0x1p-40; // far above the rounding of a product of positive numbers
             lo /= lo > 0.0 ? d * (1.0 + off) : d * (1.0 - off);
@@ -153,7 +154,8 @@ static void numerator_errors(quadratic *q, const kn_bezier *t, bool rational, co
         err[0][v] = 8.0 * t[P].degree[v] * data * p * w * (rational ? 2.0 : 1.0) / step[v];
         err[1][v] = 4.0 * t[N].degree[v] * en / step[v];
     }
-    double round = 4.0 * kn_gamma(6.0 * terms + 64.0);
+    // Products that may underflow lose more than rounding: then nothing is known.
+    double round = size[0][0] * size[0][1] < 0x1p-900 ? INFINITY : 4.0 * kn_gamma(6.0 * terms + 64.0);
     const int pair[4][3] = {{0, 0, 0}, {1, 1, 0}, {1, 0, 1}, {2, 1, 1}}; // of j: tangent or n's in u and in v
     for (int k = 0; k < 3; k++) q->error[k] = 0.0;
     for (int k = 0; k < 4; k++) {

@@ -34,13 +34,28 @@ bool kn_direction_unit(double unit[3], const kn_bezier *direction, const double 
 
 enum { P, PU, PV, W, WU, WV, T1, T2, NTEMP };
 
+// Times a power of two, so that the largest coefficient is near 1: products of what follows then neither overflow nor
+// underflow, which no bound of rounding here accounts for. The direction does not change.
+static void normalise(kn_bezier *b)
+{
+    size_t n = kn_bezier_count(b) * (size_t)b->ncomp;
+    double largest = 0.0;
+    int exponent;
+    for (size_t i = 0; i < n; i++) largest = fmax(largest, fabs(b->coef[i]));
+    if (!(largest > 0.0) || !isfinite(largest)) return;
+    (void)frexp(largest, &exponent);
+    for (size_t i = 0; i < n; i++) b->coef[i] = ldexp(b->coef[i], -exponent);
+}
+
 static kn_status factors(kn_ctx *ctx, kn_bezier *t, const kn_bezier *piece)
 {
     kn_status status = kn_bezier_components(ctx, &t[P], piece, 0, 3);
+    if (status == KN_OK) normalise(&t[P]);
     if (status == KN_OK) status = kn_bezier_derivative(ctx, &t[PU], &t[P], 0);
     if (status == KN_OK) status = kn_bezier_derivative(ctx, &t[PV], &t[P], 1);
     if (status != KN_OK || !piece->rational) return status;
     status = kn_bezier_components(ctx, &t[W], piece, 3, 1);
+    if (status == KN_OK) normalise(&t[W]);
     if (status == KN_OK) status = kn_bezier_derivative(ctx, &t[WU], &t[W], 0);
     if (status == KN_OK) status = kn_bezier_derivative(ctx, &t[WV], &t[W], 1);
     return status;
@@ -67,19 +82,21 @@ static kn_status numerator(kn_ctx *ctx, kn_bezier *out, kn_bezier *t, bool ratio
 
 // A product's coefficients are means of products of its factors' coefficients, so its rounding is at most gamma(k)
 // times the product of the largest ones; the factors' own errors enter by the product rule. g: the relative error of
-// the piece's coefficients (extraction from a spline), against the largest of them.
-static double numerator_error(const kn_bezier *t, const kn_bezier *piece, bool rational)
+// the piece's coefficients (extraction from a spline), against the control points behind it, which may be larger.
+static double numerator_error(const kn_bezier *t, const kn_bezier *piece, const double acting[2], bool rational)
 {
     int du = piece->degree[0], dv = piece->degree[1];
-    double terms = 2.0 * (du + 1) * (dv + 1), g = kn_gamma(4.0 * (du + dv + 2));
+    double terms = 2.0 * (du + 1) * (dv + 1), g = kn_gamma(6.0 * (du + dv + 2));
+    double gp = g * fmax(1.0, acting[0] / kn_largest_vector(piece, 0, 3)),
+           gw = rational ? g * fmax(1.0, acting[1] / kn_largest_vector(piece, 3, 1)) : 0.0;
     double p = kn_largest_vector(&t[P], 0, 3), pu = kn_largest_vector(&t[PU], 0, 3),
            pv = kn_largest_vector(&t[PV], 0, 3);
-    double ep = g * p, epu = 2 * du * ep + kn_gamma(3) * pu, epv = 2 * dv * ep + kn_gamma(3) * pv;
+    double ep = gp * p, epu = 2 * du * ep + kn_gamma(3) * pu, epv = 2 * dv * ep + kn_gamma(3) * pv;
     double round = 2.0 * kn_gamma(terms + 16), error = round * pu * pv + epu * pv + pu * epv + epu * epv;
     if (rational) {
         double w = kn_largest_vector(&t[W], 0, 1), wu = kn_largest_vector(&t[WU], 0, 1),
                wv = kn_largest_vector(&t[WV], 0, 1);
-        double ew = g * w, ewu = 2 * du * ew + kn_gamma(3) * wu, ewv = 2 * dv * ew + kn_gamma(3) * wv;
+        double ew = gw * w, ewu = 2 * du * ew + kn_gamma(3) * wu, ewv = 2 * dv * ew + kn_gamma(3) * wv;
         double k = 2.0 * kn_gamma(3 * terms + 48);
         error = k * (w * pu * pv + wv * pu * p + wu * p * pv); // all roundings of all products and differences
         error += ew * pu * pv + w * (epu * pv + pu * epv);
@@ -123,15 +140,16 @@ static kn_status divide_edges(kn_ctx *ctx, kn_direction *d)
     return status;
 }
 
-kn_status kn_direction_init(kn_ctx *ctx, kn_direction *out, bool *zero, const kn_bezier *piece)
+kn_status kn_direction_init(kn_ctx *ctx, kn_direction *out, bool *zero, const kn_bezier *piece,
+                            const double acting[2])
 {
     kn_bezier t[NTEMP] = {0};
     kn_direction d = {0};
     kn_status status = factors(ctx, t, piece);
     if (status == KN_OK) status = numerator(ctx, &d.n, t, piece->rational);
     if (status == KN_OK) {
-        d.error = numerator_error(t, piece, piece->rational);
-        *zero = kn_largest_vector(&d.n, 0, 3) <= 2.0 * d.error;
+        d.error = numerator_error(t, piece, acting, piece->rational);
+        *zero = !(kn_largest_vector(&d.n, 0, 3) > 2.0 * d.error);
         if (!*zero) status = divide_edges(ctx, &d);
     }
     if (status == KN_OK && !*zero) {

@@ -120,7 +120,9 @@ static kn_status certify(kn_ctx *ctx, candidate *c, const refinement *r, bool al
     kn_certify_options o = {.limit = r->shell->normal_tol};
     o.target[0] = near * c->worst.length_error;
     o.target[1] = near * c->worst.angle_error;
-    o.normal_error = 2.0 * kn_gamma(16.0 * (c->n.degree[0] + c->n.degree[1] + 2));
+    double largest = 1.0; // coefficients of n, whose pieces have errors in proportion
+    for (size_t i = 0; i < 3 * kn_spline_count(&c->n); i++) largest = fmax(largest, fabs(c->n.coef[i]));
+    o.normal_error = 2.0 * largest * kn_gamma(16.0 * (c->n.degree[0] + c->n.degree[1] + 2));
     c->worst = (kn_normal_certificate){.certified = true};
     for (size_t i = 0; i < c->npieces && (all || c->nfailed == 0); i++) {
         o.direction_error = r->box_error[i];

@@ -8,7 +8,7 @@
 #include <string.h>
 
 static const double default_tol = 1e-6;
-enum { DEFAULT_DEGREE = 5, DEFAULT_SPANS = 4096, HIGHEST_DEGREE = 12 };
+enum { DEFAULT_DEGREE = 5, DEFAULT_SPANS = 4096, LEAST_DEGREE = 3, HIGHEST_DEGREE = 12 };
 
 kn_shell_options kn_shell_defaults(void)
 {
@@ -53,7 +53,7 @@ static kn_status check(kn_ctx *ctx, const kn_spline *s, const kn_shell_options *
         return kn_fail(ctx, KN_EDOMAIN, "shell: degrees %d, %d: no surface", s->degree[0], s->degree[1]);
     if (!(o->normal_tol > 0.0 && o->normal_tol < 0.5))
         return kn_fail(ctx, KN_EDOMAIN, "shell: normal_tol %g", o->normal_tol);
-    if (o->max_degree < 3 || o->max_spans < 1)
+    if (o->max_degree < LEAST_DEGREE || o->max_spans < 1)
         return kn_fail(ctx, KN_EDOMAIN, "shell: max_degree %d, max_spans %d", o->max_degree, o->max_spans);
     if (o->max_degree > HIGHEST_DEGREE)
         return kn_fail(ctx, KN_ELIMIT, "shell: max_degree %d above %d", o->max_degree, (int)HIGHEST_DEGREE);
@@ -131,6 +131,22 @@ static kn_status cut_surface(kn_ctx *ctx, kn_shell *s)
     return status;
 }
 
+// The largest vector and the largest weight of the control points that act on span i, j of S.
+static void find_acting(double acting[2], const kn_shell *s, size_t i, size_t j)
+{
+    const kn_spline *f = &s->surface;
+    size_t count = kn_spline_count(f), at[2] = {i, j}, first[2];
+    acting[0] = acting[1] = 0.0;
+    for (int v = 0; v < 2; v++)
+        first[v] = (size_t)(kn_knots_span(f->knots[v], f->degree[v], f->count[v], s->knot[v][at[v]]) - f->degree[v]);
+    for (size_t a = first[0]; a <= first[0] + (size_t)f->degree[0]; a++)
+        for (size_t b = first[1]; b <= first[1] + (size_t)f->degree[1]; b++) {
+            const double *c = f->coef + a * (size_t)f->count[1] + b;
+            acting[0] = fmax(acting[0], hypot(hypot(c[0], c[count]), c[2 * count]));
+            if (f->rational) acting[1] = fmax(acting[1], c[3 * count]);
+        }
+}
+
 static kn_status make_directions(kn_ctx *ctx, kn_shell *s)
 {
     size_t columns = (size_t)s->nknots[1] - 1, flat = 0;
@@ -139,9 +155,10 @@ static kn_status make_directions(kn_ctx *ctx, kn_shell *s)
     s->ndirections = s->nspans;
     for (size_t i = 0; i < s->nspans; i++) {
         bool zero = false, regular = true;
-        double at[2];
+        double at[2], acting[2];
         const double *ku = s->knot[0] + i / columns, *kv = s->knot[1] + i % columns;
-        kn_status status = kn_direction_init(ctx, &s->direction[i], &zero, &s->span[i]);
+        find_acting(acting, s, i / columns, i % columns);
+        kn_status status = kn_direction_init(ctx, &s->direction[i], &zero, &s->span[i], acting);
         if (status == KN_OK && !zero) status = kn_direction_regular(ctx, &regular, at, &s->direction[i]);
         if (status != KN_OK) return status;
         flat += zero;
@@ -180,6 +197,20 @@ static kn_status find_closed(kn_ctx *ctx, kn_shell *shell)
     return KN_OK;
 }
 
+// The certificate multiplies n with the direction: their degrees together stay within KN_MAX_DEGREE.
+static kn_status limit_degree(kn_ctx *ctx, int *max_degree, const kn_shell *s)
+{
+    for (size_t i = 0; i < s->ndirections; i++)
+        for (int v = 0; v < 2; v++) {
+            int degree = s->direction[i].n.degree[v], room = KN_MAX_DEGREE - degree;
+            if (room < LEAST_DEGREE)
+                return kn_fail(ctx, KN_ELIMIT, "shell: the normal's direction has degree %d in variable %d, above %d",
+                               degree, v, KN_MAX_DEGREE - LEAST_DEGREE);
+            if (*max_degree > room) *max_degree = room;
+        }
+    return KN_OK;
+}
+
 kn_status kn_shell_create(kn_ctx *ctx, kn_shell **out, const kn_spline *surface, const kn_shell_options *options)
 {
     kn_shell_options o = options ? *options : kn_shell_defaults();
@@ -196,6 +227,7 @@ kn_status kn_shell_create(kn_ctx *ctx, kn_shell **out, const kn_spline *surface,
     if (status == KN_OK) status = find_closed(ctx, s);
     if (status == KN_OK) status = cut_surface(ctx, s);
     if (status == KN_OK) status = make_directions(ctx, s);
+    if (status == KN_OK) status = limit_degree(ctx, &o.max_degree, s);
     if (status == KN_OK) status = kn_refine_normal(ctx, s, o.max_degree, o.max_spans);
     if (status == KN_OK)
         *out = s;

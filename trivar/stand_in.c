@@ -119,6 +119,8 @@ kn_status kn_stand_in(kn_ctx *ctx, kn_bezier *out, kn_normal_certificate *certif
     double rest[2][ROOM];
     int n = degree_sum - 1 < HIGHEST ? degree_sum - 1 : HIGHEST, degree[2];
     *fits = false;
+    for (int v = 0; v < 2; v++) // the certificate multiplies it with the direction
+        if (n > KN_MAX_DEGREE - direction->degree[v]) n = KN_MAX_DEGREE - direction->degree[v];
     if (n < 2) n = 2;
     for (int v = 0; v < 2; v++) {
         if (!decay(rest[v], direction, v, n)) return KN_OK;

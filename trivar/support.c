@@ -20,13 +20,16 @@ int kn_interval(const double *breaks, int n, double x)
 double kn_largest_vector(const kn_bezier *b, int first, int count)
 {
     size_t n = kn_bezier_count(b);
-    double largest = 0.0;
+    const double *coef = b->coef + (size_t)first * n;
+    double most = 0.0, largest = 0.0;
+    for (size_t i = 0; i < (size_t)count * n; i++) most = fmax(most, fabs(coef[i]));
+    if (!(most > 0.0) || isinf(most)) return most;
     for (size_t i = 0; i < n; i++) {
-        double square = 0.0;
-        for (int c = first; c < first + count; c++) square += b->coef[(size_t)c * n + i] * b->coef[(size_t)c * n + i];
-        largest = square > largest ? square : largest;
+        double square = 0.0; // of quotients: squares of the numbers themselves may underflow
+        for (size_t c = 0; c < (size_t)count; c++) square += coef[c * n + i] / most * (coef[c * n + i] / most);
+        largest = fmax(largest, square);
     }
-    return sqrt(largest);
+    return most * sqrt(largest);
 }
 
 double kn_gamma(double k)

@@ -27,7 +27,7 @@ typedef struct kn_shell_options {
     const double *lines[2];
     int nlines[2];
     double normal_tol; // the largest length error and angle error allowed; 0: 1e-6
-    int max_degree;    // of n in one variable, at least 3; 0: 5
+    int max_degree;    // of n in one variable, at least 3, lowered where S has high degrees (as below); 0: 5
     int max_spans;     // knot intervals of n in one variable, beyond which refinement gives up; 0: 4096
 } kn_shell_options;
 
@@ -44,7 +44,8 @@ KN_API kn_shell_options kn_shell_defaults(void);
 // fails:  KN_EDOMAIN (shapes, options, lines, a surface of zero area: the message says which), KN_EUNDEFINED (no
 // normal
 //         at some point: the message names it), KN_EUNDECIDED (normal_tol not met within max_spans, or below about
-//         1e-12, what rounding leaves), KN_ELIMIT (more cells than max_spans, max_degree above 12), KN_ENOMEM.
+//         1e-12, what rounding leaves), KN_ELIMIT (more cells than max_spans, max_degree above 12, a degree p of S
+//         with 2 p - 1, of a rational S 3 p - 1, above KN_MAX_DEGREE - 3: n and S_u x S_v are multiplied), KN_ENOMEM.
 // error:  kn_shell_certificate bounds the whole of it.
 // cost:   about 20 us for each span of n and round of refinement; a patch of the Utah teapot at 1e-6: 3 to 150 ms.
 // source: Elber 2005, sidebar "Unit Normal Field Approximation"; de Boor & Pinkus, Numer. Math. 27 (1977).
@@ -72,6 +73,7 @@ KN_API KN_CHECKED kn_status kn_shell_unit_normal(kn_ctx *ctx, double normal[3], 
 // Bounds of det dT/d(u,v,w) over the cells for w in [w0,w1]: *lo <= det <= *hi, rounding included (source: J is a
 // quadratic in w with coefficients that are splines over (u,v)). The unit: length^3 per parameter^2 length. The
 // bounds lie within about 2 % of the range outside the true ones; at a pole det is 0 and lo is 0 less the rounding.
+// Where numbers over- or underflow they are -INFINITY and INFINITY.
 // fails: KN_EDOMAIN (w0 > w1, not finite), KN_ELIMIT (degree 4 p + 3 degree of n above KN_MAX_DEGREE for a rational S
 //        of degree p), KN_ENOMEM; outputs unchanged. cost: about 100 us for each span of n.
 KN_API KN_CHECKED kn_status kn_shell_jacobian_bounds(kn_ctx *ctx, double *lo, double *hi, const kn_shell *shell,

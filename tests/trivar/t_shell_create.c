@@ -188,6 +188,76 @@ static kn_status create(kn_ctx *ctx, void *user)
     return status;
 }
 
+// A sheet of degree p in u with a slight bend.
+static void make_sheet(kn_ctx *ctx, kn_spline *out, int p, bool rational)
+{
+    double knots[2 * (KN_MAX_DEGREE + 1)], coef[4 * 2 * (KN_MAX_DEGREE + 1)];
+    int n = 2 * (p + 1);
+    for (int i = 0; i <= p; i++) {
+        double t = (double)i / p, w = rational ? 1 + 0.1 * t : 1;
+        knots[i] = 0, knots[p + 1 + i] = 1;
+        for (int j = 0; j < 2; j++) {
+            double *c = coef + (size_t)(2 * i + j);
+            c[0] = w * t, c[n] = w * j, c[2 * n] = w * 0.1 * t * (1 - t), c[3 * n] = w;
+        }
+    }
+    const double *both[2] = {knots, bilinear};
+    const int degree[2] = {p, 1}, count[2] = {p + 1, 2};
+    assert_int_equal(kn_spline_init(ctx, out, 2, rational ? 4 : 3, rational, degree, count, both, coef), KN_OK);
+}
+
+// The certificate's products of n and S_u x S_v stay within KN_MAX_DEGREE: n's degree gives way, and where too little
+// is left the surface is refused.
+static void high_degrees(void **state)
+{
+    (void)state;
+    static const struct {
+        int degree;
+        bool rational;
+        int most; // of n
+        kn_status status;
+    } cases[] = {{16, true, 9, KN_OK},  {18, true, 3, KN_OK},  {19, true, 0, KN_ELIMIT},
+                 {24, false, 9, KN_OK}, {27, false, 3, KN_OK}, {28, false, 0, KN_ELIMIT}};
+    test_memory memory = TEST_MEMORY_INIT;
+    kn_ctx *ctx = test_ctx(&memory, 1);
+    for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
+        kn_spline s = {0};
+        kn_shell *shell = NULL;
+        make_sheet(ctx, &s, cases[k].degree, cases[k].rational);
+        kn_shell_options o = {.max_degree = 12};
+        kn_status status = kn_shell_create(ctx, &shell, &s, &o);
+        assert_int_equal(status, cases[k].status);
+        if (status == KN_OK) assert_true(kn_shell_normal(shell)->degree[0] <= cases[k].most);
+        kn_shell_destroy(ctx, shell);
+        kn_spline_clear(ctx, &s);
+        kn_ctx_clear_error(ctx);
+    }
+    test_ctx_end(ctx, &memory);
+}
+
+// A power of two changes no bit of n, nor of its certificate: squares that would over- or underflow do not matter.
+static void any_scale(void **state)
+{
+    (void)state;
+    static const int exponents[] = {0, -280, 280, -480, 480};
+    test_memory memory = TEST_MEMORY_INIT;
+    kn_ctx *ctx = test_ctx(&memory, 1);
+    kn_normal_certificate first = {0};
+    for (size_t k = 0; k < sizeof exponents / sizeof *exponents; k++) {
+        kn_spline s = {0};
+        kn_shell *shell = NULL;
+        make_wavy(ctx, &s);
+        for (size_t i = 0; i < 3 * kn_spline_count(&s); i++) s.coef[i] = ldexp(s.coef[i], exponents[k]);
+        assert_int_equal(kn_shell_create(ctx, &shell, &s, NULL), KN_OK);
+        kn_normal_certificate c = kn_shell_certificate(shell);
+        if (k == 0) first = c;
+        assert_true(c.certified && c.length_error == first.length_error && c.angle_error == first.angle_error);
+        kn_shell_destroy(ctx, shell);
+        kn_spline_clear(ctx, &s);
+    }
+    test_ctx_end(ctx, &memory);
+}
+
 static void allocation_failures(void **state)
 {
     (void)state;
@@ -202,6 +272,7 @@ int main(void)
         cmocka_unit_test(bad_options),          cmocka_unit_test(bad_lines),
         cmocka_unit_test(bad_surfaces),         cmocka_unit_test(creases_keep_both_normals),
         cmocka_unit_test(cells_and_closedness), cmocka_unit_test(allocation_failures),
+        cmocka_unit_test(high_degrees),         cmocka_unit_test(any_scale),
     };
     return cmocka_run_group_tests_name("trivar/shell_create", tests, NULL, NULL);
 }

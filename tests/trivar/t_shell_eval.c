@@ -162,6 +162,27 @@ static void bounds_of_simple_shapes(void **state)
     test_ctx_end(ctx, &memory);
 }
 
+// Where determinants over- or underflow nothing is known of them, and no sign is claimed.
+static void bounds_out_of_range(void **state)
+{
+    (void)state;
+    static const int exponents[] = {520, -480};
+    test_memory memory = TEST_MEMORY_INIT;
+    kn_ctx *ctx = test_ctx(&memory, 1);
+    for (size_t k = 0; k < sizeof exponents / sizeof *exponents; k++) {
+        kn_spline s = {0};
+        double lo = 1, hi = 0;
+        make_wavy(ctx, &s);
+        for (size_t i = 0; i < 3 * kn_spline_count(&s); i++) s.coef[i] = ldexp(s.coef[i], exponents[k]);
+        kn_shell *shell = create(ctx, &s);
+        assert_int_equal(kn_shell_jacobian_bounds(ctx, &lo, &hi, shell, 0, 0), KN_OK);
+        assert_true(lo == -INFINITY && hi == INFINITY);
+        kn_shell_destroy(ctx, shell);
+        kn_spline_clear(ctx, &s);
+    }
+    test_ctx_end(ctx, &memory);
+}
+
 static void bad_arguments(void **state)
 {
     (void)state;
@@ -216,9 +237,13 @@ static void allocation_failures(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(values_and_jacobian), cmocka_unit_test(jacobian_against_differences),
-        cmocka_unit_test(bounds_hold),         cmocka_unit_test(bounds_of_simple_shapes),
-        cmocka_unit_test(bad_arguments),       cmocka_unit_test(allocation_failures),
+        cmocka_unit_test(values_and_jacobian),
+        cmocka_unit_test(jacobian_against_differences),
+        cmocka_unit_test(bounds_hold),
+        cmocka_unit_test(bounds_out_of_range),
+        cmocka_unit_test(bounds_of_simple_shapes),
+        cmocka_unit_test(bad_arguments),
+        cmocka_unit_test(allocation_failures),
     };
     return cmocka_run_group_tests_name("trivar/shell_eval", tests, NULL, NULL);
 }
