@@ -119,7 +119,9 @@ typedef struct kn_job_report {
     double height, cell_size;     // in force, length units
     kn_normal_certificate normal; // over all pieces in use
     double normal_tol;
-    double stand_in_error; // bound of |patch - T(D)| where a stand-in for n is used, length units; 0: none is
+    // Bound of |patch - T(D)| where a stand-in for n is used, length units; 0: none is. Where D reaches beyond the
+    // surface's domain T(D) is S + w times its unit normal there, and not kn_shell_eval, which extends n.
+    double stand_in_error;
     double jacobian_lo, jacobian_hi; // kn_shell_jacobian_bounds over the heights that the tile occupies
 } kn_job_report;
 

@@ -87,7 +87,9 @@ typedef struct kn_shell_piece {
     kn_bezier term[KN_SHELL_TERMS];
     bool exact; // n is the shell's own spline; false: a polynomial that stands in for it on this box
     kn_normal_certificate normal; // of the n in use, over this box
-    double deviation;             // bound of |n in use - the shell's n| over the box; 0 when exact
+    // Bound of |n in use - the shell's n| over the part of the box inside the domain; 0 when exact. Beyond the domain
+    // the shell's n, extended, may drift off any normal, and `normal` alone tells what n in use is.
+    double deviation;
 } kn_shell_piece;
 
 // The piece over the box [lo,hi] of cell (i,j), in cell coordinates: [0,1]^2 is the whole cell; boxes may reach
