@@ -37,13 +37,13 @@ texture() { # name, then options of apply
     "$knurl" apply "$base" --tile "$name" --unit cm --json "$@" -o "$out/teapot-$name.step" \
         -o "$out/teapot-$name.glb" -o "$out/teapot-$name.stl" >"$out/teapot-$name.json"
     began=$(date +%s.%N)
-    "$knurl" render "$out/teapot-$name.glb" -o "$out/teapot-$name.png"
+    "$knurl" render "$out/teapot-$name.glb" --width 1280 --height 960 -o "$out/teapot-$name.png"
     row "$name" "$(date +%s.%N | awk -v b="$began" '{ printf "%.1f", $1 - b }')" >>"$out/table.txt"
 }
 
 printf '%-7s %6s %8s %7s %11s %12s %9s %8s %8s %8s %9s %9s\n' tile cells patches degree "ctrl points" "length err <" \
     "angle <" "STEP MB" "GLB MB" "STL MB" "apply s" "render s" >"$out/table.txt"
-texture chain --size 0.42 --normal-tol 1e-4
+texture chain --size 0.42 --normal-tol 1e-4 --tol 0.008
 texture scale --size 0.36 --normal-tol 1e-4
 texture knurl --size 0.22 --normal-tol 1e-4
 cat "$out/table.txt"
