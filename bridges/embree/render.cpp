@@ -613,7 +613,6 @@ kn_status with_embree(kn_ctx *ctx, tracer *t, const kn_scene *scene)
     if (!device) return embree_status(ctx, nullptr, "device");
     t->scene = rtcNewScene(device);
     kn_status status = embree_status(ctx, device, "scene");
-    if (status == KN_OK) rtcSetSceneFlags(t->scene, RTC_SCENE_FLAG_ROBUST);
     for (int i = 0; i < scene->nitems && status == KN_OK; i++)
         if (scene->items[i].mesh.ntriangles > 0)
             status = attach(ctx, device, t->scene, t->shapes + i, &scene->items[i].mesh,

@@ -377,7 +377,9 @@ kn_status read_scene(reader *r, const char *text, size_t bytes)
         tinygltf::Model model;
         kn_status status = load(r, &model, text, bytes);
         r->model = &model;
-        return status == KN_OK ? add_nodes(r) : status;
+        if (status == KN_OK) status = add_nodes(r);
+        r->model = nullptr;
+        return status;
     } catch (const std::bad_alloc &) {
         return kn_fail(r->ctx, KN_ENOMEM, "%s: no memory for the file's contents", r->path);
     } catch (const std::exception &e) {
