@@ -49,6 +49,7 @@ typedef struct kn_job_partner {
     int edge;      // -1: none
     bool reversed; // they run in opposite directions
     bool single;   // no third edge coincides with them
+    bool goes_on;  // so do cell lines and normals, and a tile goes on over it (kn_job_match_edges)
 } kn_job_partner;
 
 // A cell, perhaps of another surface than the tile's own, and the quarter turns into its coordinates.
@@ -108,8 +109,10 @@ double kn_job_mean_length(const kn_job_measure *m, int along);
 // partners: 4 for each surface.
 kn_status kn_job_find_partners(kn_ctx *ctx, kn_job_partner *partners, const kn_spline *surfaces, int nsurfaces,
                                double tol);
+// partner[].goes_on of all surfaces, whose shells and lines are there. Beyond a crease the tile would be torn.
+kn_status kn_job_match_edges(kn_ctx *ctx, kn_job *job);
 // Where the cell at `offset` from a cell of the surface lies: on the surface beyond an edge that the two share with
-// agreeing normals and equal counts; otherwise on its own surface, where closed directions wrap and open ends extend.
+// agreeing normals and cell lines; otherwise on its own surface, where closed directions wrap and open ends extend.
 kn_job_place kn_job_find_place(const kn_job *job, int surface, const int cell[2], const int offset[2]);
 
 // ---- job_counts.c ----

@@ -261,6 +261,7 @@ static kn_status make_shells(kn_ctx *ctx, kn_job *job, const kn_spline *surfaces
     }
     kn_status status = fit_degrees(ctx, job, surfaces);
     if (status == KN_OK) status = kn_parallel(ctx, (size_t)job->nsurfaces, make_shell, &all, "shell");
+    if (status == KN_OK) status = kn_job_match_edges(ctx, job);
     job->report.jacobian_lo = INFINITY;
     job->report.jacobian_hi = -INFINITY;
     for (int s = 0; status == KN_OK && s < job->nsurfaces; s++) {

@@ -95,7 +95,7 @@ typedef struct builder {
 } builder;
 
 // Moves d into the cell it lies in and appends it. A patch that reaches over a line stays in the tile's own cell if
-// it has any part there.
+// it has any part there, and so does a wall along one of the cell's own lines, where n may jump.
 static kn_status append(kn_ctx *ctx, builder *b, kn_bezier *d)
 {
     kn_job *job = b->job;
@@ -111,7 +111,7 @@ static kn_status append(kn_ctx *ctx, builder *b, kn_bezier *d)
     double lo, hi;
     for (int c = 0; c < 2; c++) {
         range(&lo, &hi, d, c);
-        if (hi <= 0.0 || lo >= 1.0) p.offset[c] = (int)floor(lo + (hi - lo) / 2.0);
+        if ((hi <= 0.0 && lo < 0.0) || (lo >= 1.0 && hi > 1.0)) p.offset[c] = (int)floor(lo + (hi - lo) / 2.0);
         for (size_t i = 0; i < n; i++) d->coef[(size_t)c * n + i] -= p.offset[c];
         range(&lo, &hi, d, c);
         p.inside = p.inside && lo >= 0.0 && hi <= 1.0;

@@ -170,7 +170,8 @@ typedef struct kn_job kn_job;
 // Plans tile x cells over the surfaces (dim 3, two variables; copied, as the tile is). Counts, shells and
 // subdivisions are decided here. Cell lines are uniform in each knot span. A tile patch that crosses cell lines along
 // its own parameter lines is cut there and continues in the next cell (wrapped where the surface is closed, on the
-// surface at the other side of a shared edge, on its own extended surface beyond an open end); otherwise it keeps its
+// surface at the other side of a shared edge where cell lines and normals, to ten normal_tol, go on over it, and else
+// on its own extended surface); otherwise it keeps its
 // cell, over a box that reaches beyond it. Where no polynomial normal of low degree over the whole cell is within
 // normal_tol, patches are composed over smaller boxes and bisected as needed.
 //
