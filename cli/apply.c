@@ -71,8 +71,14 @@ bool cli_set_max_degree(const char *name, const char *text, kn_job_options *job)
             job->max_degree = profiles[i].degree;
             return true;
         }
-    if (cli_int(name, text, 1, KN_MAX_DEGREE, &job->max_degree)) return true;
-    cli_error("%s: or a profile: occt (25), catia (15), vda (11), cubic (3), exact", name);
+    char *end;
+    double degree = strtod(text, &end);
+    if (end != text && *end == '\0' && degree == floor(degree) && degree >= 1 && degree <= KN_MAX_DEGREE) {
+        job->max_degree = (int)degree;
+        return true;
+    }
+    cli_error("%s: expected a number from 1 to %d, or occt (25), catia (15), vda (11), cubic (3) or exact, got '%s'",
+              name, KN_MAX_DEGREE, text);
     return false;
 }
 
@@ -91,20 +97,20 @@ bool cli_set_unit(const char *name, const char *text, double *unit_mm)
     return false;
 }
 
-bool cli_add_output(cli_apply *apply, const char *path)
+bool cli_add_output(cli_apply *apply, const char *name, const char *path)
 {
     if (apply->noutputs == CLI_MAX_OUTPUTS) {
-        cli_error("-o: more than %d outputs", CLI_MAX_OUTPUTS);
+        cli_error("%s: more than %d outputs", name, CLI_MAX_OUTPUTS);
         return false;
     }
     if (!cli_can_write(path)) {
         const char *hint = cli_has_ending(path, "png") ? " (write a .glb, then 'knurl render' it)" : "";
-        cli_error("-o: no writer for '%s'; endings: %s%s", path, cli_writable_endings(), hint);
+        cli_error("%s: no writer for '%s'; endings: %s%s", name, path, cli_writable_endings(), hint);
         return false;
     }
     for (int i = 0; i < apply->noutputs; i++)
         if (strcmp(apply->outputs[i], path) == 0) {
-            cli_error("-o: '%s' is given twice", path);
+            cli_error("%s: '%s' is given twice", name, path);
             return false;
         }
     apply->outputs[apply->noutputs++] = path;
@@ -145,6 +151,11 @@ static bool set_option(cli_apply *a, int option, const char *value)
 {
     kn_job_options *job = &a->job;
     double number;
+    if ((option == COUNT || option == SIZE) && a->recipe_cells) {
+        job->count[0] = job->count[1] = 0;
+        job->size[0] = job->size[1] = 0;
+        a->recipe_cells = false;
+    }
     switch (option) {
     case TILE: a->tile = value; return true;
     case TILE_CELL: return set_cell(a, value);
@@ -166,7 +177,7 @@ static bool set_option(cli_apply *a, int option, const char *value)
     case JSON: return a->json = true;
     case QUIET: return a->quiet = true;
     case SYMBOLIC: return job->symbolic = true;
-    case OUTPUT: return cli_add_output(a, value);
+    case OUTPUT: return cli_add_output(a, "-o", value);
     default: return false;
     }
 }
@@ -235,7 +246,7 @@ static int apply(cli_session *session, cli_apply *a, const cli_base *base, const
     kn_job *job = NULL;
     double bytes[CLI_MAX_OUTPUTS], began = cli_seconds();
     kn_status status = kn_job_create(ctx, &job, base->surfaces, base->nsurfaces, tile, &a->job);
-    if (status != KN_OK) return cli_fail(session, status, false);
+    if (status != KN_OK) return cli_fail_on(session, status, a->base);
     kn_job_report report = kn_job_describe(job);
     timing->plan = cli_seconds() - began;
     began = cli_seconds();

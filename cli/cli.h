@@ -49,6 +49,9 @@ bool cli_has_ending(const char *path, const char *ending);
 void cli_error(const char *format, ...) KN_PRINTF(1, 2);
 void cli_usage_hint(const char *command);
 
+// A JSON string, which holds UTF-8 alone: of a text that is not, each byte beyond ASCII becomes a '?'.
+struct json_t *cli_json_text(const char *text);
+
 // ---- help ----
 int cli_help(FILE *to, const char *command); // NULL: the overview. EXIT_USAGE for an unknown command.
 
@@ -64,6 +67,10 @@ void cli_session_end(cli_session *session);
 kn_ctx *cli_ctx(cli_session *session);
 // Prints the context's error and answers the exit code that belongs to it. reading: a file was being read.
 int cli_fail(cli_session *session, kn_status status, bool reading);
+// The same for work on what was read from path: the message names it where what is in it is to blame.
+int cli_fail_on(cli_session *session, kn_status status, const char *path);
+// A warning on standard error, unless the session is quiet.
+void cli_warn(cli_session *session, const char *format, ...) KN_PRINTF(2, 3);
 double cli_seconds(void); // a monotonic clock
 
 // ---- inputs ----
@@ -89,6 +96,7 @@ typedef struct cli_apply {
     int noutputs;
     int threads;
     bool dry_run, json, quiet;
+    bool recipe_cells;                // count or size came from a recipe: an option replaces them
     char *owned[CLI_MAX_OUTPUTS + 2]; // texts that a recipe allocated; freed at the end
     int nowned;
 } cli_apply;
@@ -97,7 +105,7 @@ typedef struct cli_apply {
 bool cli_set_rotation(const char *name, double degrees, kn_job_options *job);
 bool cli_set_max_degree(const char *name, const char *text, kn_job_options *job);
 bool cli_set_unit(const char *name, const char *text, double *unit_mm);
-bool cli_add_output(cli_apply *apply, const char *path);
+bool cli_add_output(cli_apply *apply, const char *name, const char *path);
 // Fills apply from a recipe; exit code.
 int cli_read_recipe(cli_apply *apply, const char *path);
 

@@ -117,7 +117,7 @@ static int eval_all(cli_session *session, const request *r, const kn_spline *s)
             if (!shell) status = kn_shell_create(ctx, &shell, s, &(kn_shell_options){.normal_tol = r->normal_tol});
             if (status == KN_OK) status = eval_shell(ctx, shell, p, r->order, all);
         }
-        if (status != KN_OK) code = cli_fail(session, status, false);
+        if (status != KN_OK) code = cli_fail_on(session, status, r->file);
     }
     if (r->json && code == EXIT_OK) {
         json_dumpf(all, stdout, JSON_INDENT(2) | JSON_REAL_PRECISION(17));

@@ -60,8 +60,8 @@ static const char apply[] =
 
 static const char tiles[] = "knurl tiles [--json]\n"
                             "\n"
-                            "  knurl tiles\n"
                             "  knurl tiles --json\n"
+                            "  knurl tiles\n"
                             "\n"
                             "Lists the built-in tiles: name, kind, patches in a cell, and what it looks like.\n";
 

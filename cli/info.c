@@ -81,10 +81,11 @@ static void print_splines(const char *file, const spline_summary *s, bool json)
 {
     const char *format = cli_has_ending(file, "g2") ? "GoTools g2" : "Bezier patches (bpt)";
     if (json) {
-        print_json(json_pack("{s:s,s:s,s:n,s:i,s:i,s:i,s:i,s:I,s:I,s:[ii],s:o}", "file", file, "format", format,
-                             "unit", "curves", s->curves, "surfaces", s->surfaces, "volumes", s->volumes, "rational",
-                             s->rational, "pieces", (json_int_t)s->pieces, "control_points", (json_int_t)s->points,
-                             "degree", s->highest[0], s->highest[1], "box", box_json(&s->box)));
+        print_json(json_pack("{s:o,s:s,s:n,s:i,s:i,s:i,s:i,s:I,s:I,s:[ii],s:o}", "file", cli_json_text(file),
+                             "format", format, "unit", "curves", s->curves, "surfaces", s->surfaces, "volumes",
+                             s->volumes, "rational", s->rational, "pieces", (json_int_t)s->pieces, "control_points",
+                             (json_int_t)s->points, "degree", s->highest[0], s->highest[1], "box",
+                             box_json(&s->box)));
         return;
     }
     printf("%s: %s, no unit\n", file, format);
@@ -150,8 +151,8 @@ static int info_scene(cli_session *session, const char *file, bool json)
         for (size_t v = 0; v < m->nvertices; v++) grow(&all, m->position + 3 * v, m->position + 3 * v, 3);
     }
     if (json)
-        print_json(json_pack("{s:s,s:s,s:s,s:i,s:I,s:I,s:o}", "file", file, "format", "glTF 2.0", "unit", "m",
-                             "meshes", scene.nitems, "vertices", (json_int_t)vertices, "triangles",
+        print_json(json_pack("{s:o,s:s,s:s,s:i,s:I,s:I,s:o}", "file", cli_json_text(file), "format", "glTF 2.0",
+                             "unit", "m", "meshes", scene.nitems, "vertices", (json_int_t)vertices, "triangles",
                              (json_int_t)triangles, "box", box_json(&all)));
     else {
         printf("%s: glTF 2.0, metres, y up\n", file);

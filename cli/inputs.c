@@ -28,8 +28,11 @@ int cli_read_base(cli_session *session, cli_base *out, const char *path)
     int found = model.nsplines;
     out->nsurfaces = keep_surfaces(ctx, &model);
     out->surfaces = model.splines;
+    if (out->nsurfaces > 0 && out->nsurfaces < found)
+        cli_warn(session, "%s: %d of its %d splines are no surfaces in three dimensions and are left out", path,
+                 found - out->nsurfaces, found);
     if (out->nsurfaces > 0) return EXIT_OK;
-    cli_error("%s: no surface in three dimensions among its %d splines", path, found);
+    cli_error("%s: no surface in three dimensions among its splines, of which there are %d", path, found);
     cli_base_clear(session, out);
     return EXIT_BAD_INPUT;
 }

@@ -2,7 +2,10 @@
 // knurl: geometry on geometry, from the command line.
 #include "cli/cli.h"
 
+#include <errno.h>
+#include <fcntl.h>
 #include <string.h>
+#include <unistd.h>
 
 typedef struct command {
     const char *name;
@@ -31,13 +34,24 @@ static int unknown_command(const char *name)
 // Output that did not reach its file (a full disk behind a redirection) must not look like success.
 static int flush_stdout(int code)
 {
+    errno = 0;
     if (fflush(stdout) == 0 && !ferror(stdout)) return code;
-    cli_error("standard output: cannot write");
+    if (errno != EPIPE) cli_error("standard output: cannot write"); // who read it has seen enough, and knows
     return code == EXIT_OK ? EXIT_FAILED : code;
+}
+
+// A standard stream that the caller has closed must not become the number of an output file. Writing to the stand-in
+// for standard output fails as it would have; messages are lost as they would have been.
+static void fill_standard_streams(void)
+{
+    static const int modes[] = {O_WRONLY, O_RDONLY, O_WRONLY};
+    for (int fd = 0; fd < 3; fd++)
+        if (fcntl(fd, F_GETFD) == -1 && errno == EBADF && open("/dev/null", modes[fd]) == -1) return;
 }
 
 int main(int argc, char **argv)
 {
+    fill_standard_streams();
     if (argc < 2) {
         cli_help(stderr, NULL);
         return EXIT_USAGE;

@@ -13,6 +13,17 @@ typedef struct recipe {
     cli_apply *apply;
 } recipe;
 
+// The name of a key for messages of functions that options share: the recipe's path and the key.
+typedef struct label {
+    char text[512];
+} label;
+static label in_recipe(const recipe *r, const char *key)
+{
+    label out;
+    snprintf(out.text, sizeof out.text, "%.400s: \"%.80s\"", r->path, key);
+    return out;
+}
+
 static bool bad(const recipe *r, const char *key, const char *expected)
 {
     cli_error("%s: \"%s\": expected %s", r->path, key, expected);
@@ -83,7 +94,7 @@ static bool get_max_degree(const recipe *r, const json_t *value)
         snprintf(text, sizeof text, "%lld", (long long)json_integer_value(value));
     else
         return bad(r, "max_degree", "a whole number or a profile");
-    return cli_set_max_degree("max_degree", text, &r->apply->job);
+    return cli_set_max_degree(in_recipe(r, "max_degree").text, text, &r->apply->job);
 }
 
 static bool layer_key(const recipe *r, const char *key, const json_t *value)
@@ -99,7 +110,8 @@ static bool layer_key(const recipe *r, const char *key, const json_t *value)
     if (strcmp(key, "height") == 0)
         return get_number(r, key, value, &job->height) && (job->height != 0 || bad(r, key, "a number other than 0"));
     if (strcmp(key, "offset") == 0) return get_number(r, key, value, &job->offset);
-    if (strcmp(key, "rotate") == 0) return get_number(r, key, value, &number) && cli_set_rotation(key, number, job);
+    if (strcmp(key, "rotate") == 0)
+        return get_number(r, key, value, &number) && cli_set_rotation(in_recipe(r, key).text, number, job);
     cli_error("%s: unknown key \"%s\" in a layer", r->path, key);
     return false;
 }
@@ -114,6 +126,10 @@ static bool get_layers(const recipe *r, json_t *layers)
     {
         if (!layer_key(r, key, value)) return false;
     }
+    const json_t *layer = json_array_get(layers, 0);
+    if (json_object_get(layer, "count") && json_object_get(layer, "size"))
+        return bad(r, "layers", "count or size, not both");
+    r->apply->recipe_cells = true;
     return true;
 }
 
@@ -123,7 +139,8 @@ static bool get_outputs(const recipe *r, const json_t *outputs)
     if (!json_is_array(outputs) || n > CLI_MAX_OUTPUTS) return bad(r, "outputs", "an array of at most 16 paths");
     for (size_t i = 0; i < n; i++) {
         const char *path;
-        if (!get_text(r, "outputs", json_array_get(outputs, i), true, &path) || !cli_add_output(r->apply, path))
+        if (!get_text(r, "outputs", json_array_get(outputs, i), true, &path) ||
+            !cli_add_output(r->apply, in_recipe(r, "outputs").text, path))
             return false;
     }
     return true;
@@ -136,7 +153,7 @@ static bool top_key(const recipe *r, const char *key, json_t *value)
         return (json_is_integer(value) && json_integer_value(value) == 1) || bad(r, key, "1");
     if (strcmp(key, "base") == 0) return get_text(r, key, value, true, &a->base);
     if (strcmp(key, "unit") == 0)
-        return json_is_string(value) ? cli_set_unit(key, json_string_value(value), &a->unit_mm)
+        return json_is_string(value) ? cli_set_unit(in_recipe(r, key).text, json_string_value(value), &a->unit_mm)
                                      : bad(r, key, "mm, cm, m or in");
     if (strcmp(key, "layers") == 0) return get_layers(r, value);
     if (strcmp(key, "outputs") == 0) return get_outputs(r, value);
@@ -151,6 +168,10 @@ int cli_read_recipe(cli_apply *apply, const char *path)
 {
     json_error_t error;
     json_t *root = json_load_file(path, JSON_REJECT_DUPLICATES, &error);
+    if (!root && error.line < 0) {
+        cli_error("%s", error.text); // "unable to open PATH: reason"
+        return EXIT_BAD_INPUT;
+    }
     if (!root) {
         cli_error("%s:%d: %s", path, error.line > 0 ? error.line : 1, error.text);
         return EXIT_BAD_INPUT;
@@ -169,6 +190,7 @@ int cli_read_recipe(cli_apply *apply, const char *path)
             }
         }
     if (ok && !apply->base) ok = bad(&r, "base", "the path of a spline file");
+    if (ok && !apply->tile) ok = bad(&r, "layers", "a layer with a tile");
     json_decref(root);
     return ok ? EXIT_OK : EXIT_BAD_INPUT;
 }

@@ -4,6 +4,22 @@
 
 #include <jansson.h>
 #include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+json_t *cli_json_text(const char *text)
+{
+    json_t *out = json_string(text);
+    size_t bytes = strlen(text) + 1;
+    char *copy = out ? NULL : malloc(bytes);
+    if (!copy) return out;
+    memcpy(copy, text, bytes);
+    for (char *p = copy; *p; p++)
+        if ((unsigned char)*p > 127) *p = '?';
+    out = json_string(copy);
+    free(copy);
+    return out;
+}
 
 // JSON knows no infinity: an unbounded error is null.
 static json_t *number(double x)
@@ -14,8 +30,11 @@ static json_t *number(double x)
 static json_t *file_bytes(const cli_apply *a, const double *bytes)
 {
     json_t *object = json_object();
-    for (int i = 0; i < a->noutputs; i++)
-        json_object_set_new(object, a->outputs[i], json_integer((json_int_t)bytes[i]));
+    for (int i = 0; i < a->noutputs; i++) {
+        json_t *key = cli_json_text(a->outputs[i]);
+        json_object_set_new(object, json_string_value(key), json_integer((json_int_t)bytes[i]));
+        json_decref(key);
+    }
     return object;
 }
 
@@ -24,8 +43,8 @@ static void print_json(const cli_apply *a, const kn_job_report *r, const double 
 {
     int most = a->job.max_degree ? a->job.max_degree : 25;
     json_t *o = json_object();
-    json_object_set_new(o, "base", json_string(a->base));
-    json_object_set_new(o, "tile", json_string(a->tile));
+    json_object_set_new(o, "base", cli_json_text(a->base));
+    json_object_set_new(o, "tile", cli_json_text(a->tile));
     json_object_set_new(o, "dry_run", json_boolean(a->dry_run));
     json_object_set_new(o, "surfaces", json_integer(r->nsurfaces));
     json_object_set_new(o, "cells", json_integer((json_int_t)r->cells));

@@ -3,6 +3,7 @@
 #include "cli/cli.h"
 
 #include <signal.h>
+#include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
 #include <time.h>
@@ -70,6 +71,16 @@ static void on_log(void *user, kn_log_level level, const char *message)
     fprintf(stderr, "knurl: warning: %s\n", message);
 }
 
+void cli_warn(cli_session *s, const char *format, ...)
+{
+    char message[1024];
+    va_list list;
+    va_start(list, format);
+    vsnprintf(message, sizeof message, format, list);
+    va_end(list);
+    on_log(s, KN_LOG_WARNING, message);
+}
+
 cli_session *cli_session_begin(cli_session_options options)
 {
     cli_session *s = calloc(1, sizeof *s);
@@ -86,11 +97,14 @@ cli_session *cli_session_begin(cli_session_options options)
     s->quiet = options.quiet;
     const char *kind = getenv("TERM");
     s->terminal = isatty(STDERR_FILENO) && !(kind && strcmp(kind, "dumb") == 0);
-    struct sigaction action = {.sa_handler = on_signal};
+    struct sigaction action = {.sa_handler = on_signal}, before;
     sigaction(SIGINT, &action, NULL);
     sigaction(SIGTERM, &action, NULL);
-    sigaction(SIGHUP, &action, NULL);
-    signal(SIGXFSZ, SIG_IGN); // a file-size limit then shows as a failed write, which cleans up after itself
+    bool keeps = sigaction(SIGHUP, NULL, &before) == 0 && before.sa_handler == SIG_IGN; // under nohup
+    if (!keeps) sigaction(SIGHUP, &action, NULL);
+    // A file-size limit, a pipe without a reader: they then show as a failed write, which cleans up after itself.
+    signal(SIGXFSZ, SIG_IGN);
+    signal(SIGPIPE, SIG_IGN);
     return s;
 }
 
@@ -107,11 +121,15 @@ kn_ctx *cli_ctx(cli_session *session)
     return session->ctx;
 }
 
-int cli_fail(cli_session *session, kn_status status, bool reading)
+static void print_failure(cli_session *session, kn_status status, const char *path)
 {
     end_line(session);
     const char *message = kn_ctx_message(session->ctx);
-    cli_error("%s", *message ? message : kn_status_name(status));
+    cli_error("%s%s%s", path ? path : "", path ? ": " : "", *message ? message : kn_status_name(status));
+}
+
+static int exit_code(kn_status status, bool reading)
+{
     switch (status) {
     case KN_OK: return EXIT_OK;
     case KN_EPARSE:
@@ -125,4 +143,17 @@ int cli_fail(cli_session *session, kn_status status, bool reading)
     case KN_ENOTBUILT: return EXIT_FAILED;
     }
     return EXIT_FAILED;
+}
+
+int cli_fail(cli_session *session, kn_status status, bool reading)
+{
+    print_failure(session, status, NULL);
+    return exit_code(status, reading);
+}
+
+int cli_fail_on(cli_session *session, kn_status status, const char *path)
+{
+    bool blame = status == KN_EDOMAIN || status == KN_ELIMIT || status == KN_EUNDEFINED || status == KN_EUNDECIDED;
+    print_failure(session, status, blame ? path : NULL);
+    return exit_code(status, false);
 }

@@ -7,6 +7,7 @@
 #include "kernel/context.h"
 
 #include <string.h>
+#include <strings.h>
 
 void kn_model_clear(kn_ctx *ctx, kn_model *model)
 {
@@ -49,10 +50,11 @@ kn_status kn_read_with(kn_ctx *ctx, kn_model *out, const char *path, kn_model_pa
     return status;
 }
 
+// Letters of either case: other systems write .G2.
 static bool ends_in(const char *path, const char *ending)
 {
     size_t n = strlen(path), m = strlen(ending);
-    return n >= m && strcmp(path + n - m, ending) == 0;
+    return n >= m && strcasecmp(path + n - m, ending) == 0;
 }
 
 kn_status kn_read_model(kn_ctx *ctx, kn_model *out, const char *path)

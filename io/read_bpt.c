@@ -36,7 +36,9 @@ static kn_status parse_patches(kn_scan *scan, kn_model *model)
 {
     int count = 0;
     kn_status status = kn_scan_int(scan, &count, "number of patches", 1, 2147483647);
-    if (status == KN_OK) status = kn_scan_room(scan, 2.0 * count, "degrees of patches");
+    double left = (double)(scan->end - scan->at); // each patch has two degrees at least, and each ends a word
+    if (status == KN_OK && 4.0 * count > left + 1.0)
+        status = kn_scan_fail(scan, KN_EPARSE, "%d patches expected, but only %.0f bytes follow", count, left);
     for (int i = 0; i < count && status == KN_OK; i++) {
         kn_spline spline = {0};
         scan->object = i + 1;

@@ -6,6 +6,7 @@
 #include <new>
 #include <ostream>
 #include <streambuf>
+#include <strings.h>
 
 #include <tiny_gltf.h>
 
@@ -401,7 +402,7 @@ size_t bytes(const void *user)
 bool ends_in(const char *path, const char *ending)
 {
     size_t n = strlen(path), m = strlen(ending);
-    return n > m && !strcmp(path + n - m, ending);
+    return n > m && !strcasecmp(path + n - m, ending);
 }
 
 } // namespace

@@ -37,7 +37,7 @@ KN_API KN_CHECKED kn_status kn_parse_bpt(kn_ctx *ctx, kn_model *out, const char 
 // roundings.
 KN_API KN_CHECKED kn_status kn_read_g2(kn_ctx *ctx, kn_model *out, const char *path);
 KN_API KN_CHECKED kn_status kn_parse_g2(kn_ctx *ctx, kn_model *out, const char *name, const char *text, size_t bytes);
-// By the ending of path: .bpt or .g2 (KN_EDOMAIN otherwise).
+// By the ending of path, in letters of either case: .bpt or .g2 (KN_EDOMAIN otherwise).
 KN_API KN_CHECKED kn_status kn_read_model(kn_ctx *ctx, kn_model *out, const char *path);
 
 // ---- tiles ----

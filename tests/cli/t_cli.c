@@ -269,6 +269,13 @@ static void recipes(void **state)
         "{\"format\":1,\"base\":\"x.bpt\",\"colour\":1,\"layers\":[{\"tile\":\"bump\"}]}",
         "{\"format\":1,\"base\":\"x.bpt\",\"layers\":[{\"tile\":\"bump\",\"count\":1e9}]}",
         "{\"format\":1,\"base\":\"x.bpt\",\"layers\":[]}",
+        "{\"format\":1,\"base\":\"x.bpt\"}",
+        "{\"format\":1,\"base\":\"x.bpt\",\"layers\":[{\"count\":1}]}",
+        "{\"format\":1,\"base\":\"x.bpt\",\"layers\":[{\"tile\":\"bump\",\"count\":2,\"size\":1}]}",
+        "{\"format\":1,\"base\":\"x.bpt\",\"layers\":[{\"tile\":\"bump\",\"rotate\":45}]}",
+        "{\"format\":1,\"base\":\"x.bpt\",\"layers\":[{\"tile\":\"bump\"}],\"max_degree\":\"vsa\"}",
+        "{\"format\":1,\"base\":\"x.bpt\",\"layers\":[{\"tile\":\"bump\"}],\"unit\":\"ft\"}",
+        "{\"format\":1,\"base\":\"x.bpt\",\"layers\":[{\"tile\":\"bump\"}],\"outputs\":[\"x.dwg\"]}",
         "{\"format\":1,",
         "",
     };
@@ -276,7 +283,140 @@ static void recipes(void **state)
         write_text(path, wrong[i]);
         assert_int_equal(run("apply '%s' --dry-run", path), 3);
         assert_non_null(strstr(complained, "recipe.json"));
+        assert_int_equal(strchr(complained, '\n') - complained, strlen(complained) - 1); // one line
     }
+}
+
+// Options behind a recipe override it, count and size each other too.
+static void options_override_a_recipe(void **state)
+{
+    (void)state;
+    char path[PATH_BYTES], text[1024], root[PATH_BYTES];
+    test_tmp_path(path, "override.json");
+    assert_non_null(getcwd(root, sizeof root));
+    snprintf(text, sizeof text,
+             "{\"format\":1,\"base\":\"%.400s/data/teapot.bpt\",\"layers\":[{\"tile\":\"bump\",\"size\":0.3}],"
+             "\"normal_tol\":1e-2}",
+             root);
+    write_text(path, text);
+    assert_int_equal(run("apply '%s' --count 1 --dry-run --json", path), 0);
+    json_t *r = json_loads(printed, 0, NULL);
+    assert_int_equal(json_integer_value(json_object_get(r, "cells")), 32);
+    json_decref(r);
+    assert_int_equal(run("apply '%s' --count 1 --size 1 --dry-run", path), 2);
+}
+
+static const char square[] = "200 1 0 0\n3 0\n2 2\n0 0 1 1\n2 2\n0 0 1 1\n0 0 0\n1 0 0\n0 1 0\n1 1 0\n";
+
+// What lies in a base but is no surface is mentioned; what is wrong with a surface is said with the file's name.
+static void bases_are_named(void **state)
+{
+    (void)state;
+    char path[PATH_BYTES], text[1024];
+    test_tmp_path(path, "mixed.g2");
+    snprintf(text, sizeof text, "100 1 0 0\n3 0\n2 2\n0 0 1 1\n0 0 0\n1 0 0\n%s", square);
+    write_text(path, text);
+    assert_int_equal(run("apply '%s' --tile bump --count 1 --dry-run", path), 0);
+    assert_non_null(strstr(complained, "mixed.g2: 1 of its 2 splines"));
+    assert_int_equal(run("apply '%s' --tile bump --count 1 --dry-run -q", path), 0);
+    assert_string_equal(complained, "");
+
+    test_tmp_path(path, "cusp.g2"); // turns back on itself: S_u vanishes along a line inside
+    write_text(path, "200 1 0 0\n3 0\n4 4\n0 0 0 0 1 1 1 1\n2 2\n0 0 1 1\n"
+                     "0 0 0\n20 0 0\n-10 0 0\n10 0 0\n0 9 0\n20 9 0\n-10 9 0\n10 9 0\n");
+    assert_int_equal(run("apply '%s' --tile bump --count 1 --dry-run", path), 3);
+    assert_non_null(strstr(complained, "cusp.g2: "));
+}
+
+static void endings_in_capitals(void **state)
+{
+    (void)state;
+    char in[PATH_BYTES], out[PATH_BYTES];
+    test_tmp_path(in, "SQUARE.G2");
+    test_tmp_path(out, "SQUARE.GLB");
+    write_text(in, square);
+    assert_int_equal(run("apply '%s' --tile bump --count 1 -q -o '%s'", in, out), 0);
+    assert_int_equal(run("info '%s'", out), 0);
+}
+
+// A file's name may be any bytes, JSON only UTF-8.
+static void json_of_a_name_that_is_no_text(void **state)
+{
+    (void)state;
+    char in[PATH_BYTES], out[PATH_BYTES];
+    test_tmp_path(in, "b\xff.g2");
+    test_tmp_path(out, "b\xff.stl");
+    write_text(in, square);
+    assert_int_equal(run("info '%s' --json", in), 0);
+    json_t *info = json_loads(printed, 0, NULL);
+    assert_non_null(strstr(json_string_value(json_object_get(info, "file")), "b?.g2"));
+    json_decref(info);
+    assert_int_equal(run("apply '%s' --tile bump --count 1 --json -o '%s'", in, out), 0);
+    json_t *r = json_loads(printed, 0, NULL);
+    assert_non_null(json_object_get(r, "base"));
+    assert_int_equal(json_object_size(json_object_get(r, "bytes")), 1);
+    json_decref(r);
+}
+
+// The reader of a pipe goes away while the job runs: a failure that cleans up, not a death that leaves pieces.
+static void a_pipe_without_a_reader_leaves_nothing(void **state)
+{
+    (void)state;
+    char folder[PATH_BYTES], line[4 * PATH_BYTES];
+    test_tmp_path(folder, "pipe");
+    assert_int_equal(mkdir(folder, 0777), 0);
+    snprintf(line, sizeof line,
+             "cd '%s' && mkfifo p.stl && { head -c 10 p.stl >/dev/null & } && "
+             "'%s' apply \"$OLDPWD\"/data/teapot.bpt --tile bump --count 2 --normal-tol 1e-2 -q -o x.step -o p.stl "
+             "2>/dev/null; code=$?; rm p.stl; cd .. && rmdir '%s' && exit $code",
+             folder, getenv("KNURL"), folder);
+    assert_int_equal(WEXITSTATUS(system(line)), 1);
+    assert_false(exists(folder));
+}
+
+// Messages must not end up in a file that has taken the number of a closed standard error.
+static void closed_standard_streams(void **state)
+{
+    (void)state;
+    char in[PATH_BYTES], one[PATH_BYTES], two[PATH_BYTES], line[8 * PATH_BYTES];
+    test_tmp_path(in, "streams.g2");
+    test_tmp_path(one, "streams1.step");
+    test_tmp_path(two, "streams2.step");
+    snprintf(line, sizeof line, "100 1 0 0\n3 0\n2 2\n0 0 1 1\n0 0 0\n1 0 0\n%s", square); // makes a warning
+    write_text(in, line);
+    snprintf(line, sizeof line,
+             "'%s' apply '%s' --tile bump --count 1 -q -o '%s' && "
+             "'%s' apply '%s' --tile bump --count 1 -o '%s' <&- 2>&- >/dev/null && cmp '%s' '%s'",
+             getenv("KNURL"), in, one, getenv("KNURL"), in, two, one, two);
+    assert_int_equal(system(line), 0);
+    snprintf(line, sizeof line, "'%s' tiles >&- 2>/dev/null", getenv("KNURL"));
+    assert_int_equal(WEXITSTATUS(system(line)), 1);
+}
+
+// nohup: a hangup is ignored because the caller said so. Terminates all the same.
+static void nohup_is_respected(void **state)
+{
+    (void)state;
+    char out[PATH_BYTES];
+    test_tmp_path(out, "nohup.step");
+    pid_t child = fork();
+    assert_true(child >= 0);
+    if (child == 0) {
+        signal(SIGHUP, SIG_IGN);
+        execl(getenv("KNURL"), "knurl", "apply", "data/teapot.bpt", "--tile", "chain", "--count", "24", "-q",
+              "--normal-tol", "1e-2", "-o", out, (char *)NULL);
+        _exit(127);
+    }
+    nanosleep(&(struct timespec){.tv_nsec = 500000000}, NULL);
+    kill(child, SIGHUP);
+    int status;
+    nanosleep(&(struct timespec){.tv_nsec = 500000000}, NULL);
+    assert_int_equal(waitpid(child, &status, WNOHANG), 0); // still at work
+    kill(child, SIGTERM);
+    assert_int_equal(waitpid(child, &status, 0), child);
+    assert_true(WIFEXITED(status));
+    assert_int_equal(WEXITSTATUS(status), 5);
+    assert_false(exists(out));
 }
 
 // A big job, interrupted while it runs: exit code 5 and no file of any name.
@@ -321,6 +461,13 @@ int main(void)
         cmocka_unit_test(full_standard_output_is_1),
         cmocka_unit_test(recipes),
         cmocka_unit_test(interrupted_is_5),
+        cmocka_unit_test(options_override_a_recipe),
+        cmocka_unit_test(bases_are_named),
+        cmocka_unit_test(endings_in_capitals),
+        cmocka_unit_test(json_of_a_name_that_is_no_text),
+        cmocka_unit_test(a_pipe_without_a_reader_leaves_nothing),
+        cmocka_unit_test(closed_standard_streams),
+        cmocka_unit_test(nohup_is_respected),
     };
     return cmocka_run_group_tests_name("cli/cli", tests, NULL, NULL);
 }
