@@ -7,7 +7,6 @@
 #include "kernel/context.h"
 
 #include <string.h>
-#include <strings.h>
 
 void kn_model_clear(kn_ctx *ctx, kn_model *model)
 {
@@ -50,11 +49,16 @@ kn_status kn_read_with(kn_ctx *ctx, kn_model *out, const char *path, kn_model_pa
     return status;
 }
 
-// Letters of either case: other systems write .G2.
+// Letters of either case: other systems write .G2. ending is in small ones.
 static bool ends_in(const char *path, const char *ending)
 {
     size_t n = strlen(path), m = strlen(ending);
-    return n >= m && strcasecmp(path + n - m, ending) == 0;
+    if (n < m) return false;
+    for (size_t i = 0; i < m; i++) {
+        char c = path[n - m + i];
+        if ((c >= 'A' && c <= 'Z' ? c - 'A' + 'a' : c) != ending[i]) return false;
+    }
+    return true;
 }
 
 kn_status kn_read_model(kn_ctx *ctx, kn_model *out, const char *path)
