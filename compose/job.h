@@ -170,7 +170,6 @@ typedef struct kn_job_keys {
     size_t nslots;
 } kn_job_keys;
 kn_status kn_job_keys_add(kn_ctx *ctx, uint32_t *index, kn_job_keys *keys, const kn_job_key *key);
-void kn_job_keys_end(kn_ctx *ctx, kn_job_keys *keys);
 
 // Surface and cell of the cell numbered `index` in the job's order.
 void kn_job_locate(const kn_job *job, size_t index, int *surface, int cell[2]);

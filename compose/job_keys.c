@@ -75,14 +75,6 @@ kn_status kn_job_keys_add(kn_ctx *ctx, uint32_t *index, kn_job_keys *keys, const
     return KN_OK;
 }
 
-void kn_job_keys_end(kn_ctx *ctx, kn_job_keys *keys)
-{
-    kn_free(ctx, keys->list);
-    kn_free(ctx, keys->uses);
-    kn_free(ctx, keys->slot);
-    *keys = (kn_job_keys){0};
-}
-
 void kn_job_degree(const kn_job *job, const kn_job_key *key, int degree[2])
 {
     for (int d = 0; d < 2; d++) degree[d] = job->patches[key->patch].d.degree[d] * key->factor;

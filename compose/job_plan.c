@@ -5,7 +5,7 @@
 
 #include <math.h>
 
-// What one cell needs; made by any thread, merged in order.
+// What one cell needs; made by any thread, merged in order and then forgotten.
 typedef struct cell_plan {
     kn_job_key *keys;
     int count, room;
@@ -15,7 +15,8 @@ typedef struct cell_plan {
 
 typedef struct planning {
     kn_job *job;
-    cell_plan *plans;
+    kn_job_keys keys;
+    size_t room; // of job->leaves
 } planning;
 
 // What the recursion over one cell carries along.
@@ -165,16 +166,30 @@ static kn_status plan_patch(kn_ctx *ctx, cell_work *w, int patch)
     return plan_rect(ctx, w, patch, &place, all);
 }
 
-static kn_status plan_cell(kn_ctx *ctx, void *user, size_t index)
+static void drop_plan(kn_ctx *ctx, void *user, void *made)
 {
-    planning *p = user;
-    cell_work w = {.job = p->job, .plan = &p->plans[index]};
+    (void)user;
+    cell_plan *plan = made;
+    kn_free(ctx, plan->keys);
+    kn_free(ctx, plan);
+}
+
+static kn_status plan_cell(kn_ctx *ctx, void *user, size_t index, void **out)
+{
+    const planning *p = user;
+    cell_plan *plan = kn_alloc_zero(ctx, 1, sizeof *plan);
+    if (!plan) return KN_ENOMEM;
+    cell_work w = {.job = p->job, .plan = plan};
     kn_job_locate(p->job, index, &w.surface, w.cell);
     w.pieces.job = p->job;
-    w.plan->normal.certified = true;
+    plan->normal.certified = true;
     kn_status status = KN_OK;
     for (int k = 0; status == KN_OK && k < p->job->npatches; k++) status = plan_patch(ctx, &w, k);
     kn_job_pieces_end(ctx, &w.pieces);
+    if (status == KN_OK)
+        *out = plan;
+    else
+        drop_plan(ctx, user, plan);
     return status;
 }
 
@@ -187,14 +202,8 @@ static bool same_leaves(const uint32_t *a, const uint32_t *b, size_t n)
     return true;
 }
 
-typedef struct merger {
-    kn_job *job;
-    kn_job_keys keys;
-    size_t room; // of job->leaves
-} merger;
-
 // Appends a cell's leaves; cells like the one before them (the rule, on a regular surface) share its list.
-static kn_status merge_cell(kn_ctx *ctx, merger *m, size_t cell, const cell_plan *plan)
+static kn_status merge_cell(kn_ctx *ctx, planning *m, size_t cell, const cell_plan *plan)
 {
     kn_job *job = m->job;
     size_t n = (size_t)plan->count;
@@ -221,19 +230,14 @@ static kn_status merge_cell(kn_ctx *ctx, merger *m, size_t cell, const cell_plan
     return KN_OK;
 }
 
-static kn_status merge(kn_ctx *ctx, kn_job *job, const cell_plan *plans)
+static kn_status commit(kn_ctx *ctx, void *user, size_t index, void *made)
 {
-    merger m = {.job = job};
-    kn_status status = KN_OK;
-    for (size_t i = 0; status == KN_OK && i < job->ncells; i++) {
-        status = merge_cell(ctx, &m, i, &plans[i]);
-        worsen(&job->report.normal, &plans[i].normal);
-        job->report.stand_in_error = fmax(job->report.stand_in_error, plans[i].stand_in);
-    }
-    job->keys = m.keys.list;
-    job->uses = m.keys.uses;
-    job->nkeys = m.keys.count;
-    kn_free(ctx, m.keys.slot);
+    planning *p = user;
+    const cell_plan *plan = made;
+    kn_status status = merge_cell(ctx, p, index, plan);
+    worsen(&p->job->report.normal, &plan->normal);
+    p->job->report.stand_in_error = fmax(p->job->report.stand_in_error, plan->stand_in);
+    drop_plan(ctx, user, made);
     return status;
 }
 
@@ -261,14 +265,18 @@ static void count_all(kn_job *job)
 
 kn_status kn_job_plan(kn_ctx *ctx, kn_job *job)
 {
-    planning p = {job, kn_alloc_zero(ctx, job->ncells, sizeof *p.plans)};
+    enum { AHEAD = 64 }; // for each thread: cells differ much in what they cost
+    planning p = {.job = job};
+    const kn_pipeline pipeline = {&p, plan_cell, commit, drop_plan};
     job->cells = kn_alloc_zero(ctx, job->ncells, sizeof *job->cells);
-    kn_status status = p.plans && job->cells ? KN_OK : KN_ENOMEM;
     job->report.normal = (kn_normal_certificate){.certified = true};
-    if (status == KN_OK) status = kn_parallel(ctx, job->ncells, plan_cell, &p, "plan");
-    if (status == KN_OK) status = merge(ctx, job, p.plans);
+    kn_status status = job->cells ? KN_OK : KN_ENOMEM;
+    size_t ahead = AHEAD * (size_t)kn_ctx_threads(ctx);
+    if (status == KN_OK) status = kn_pipeline_run(ctx, &pipeline, job->ncells, ahead, "plan");
+    job->keys = p.keys.list;
+    job->uses = p.keys.uses;
+    job->nkeys = p.keys.count;
+    kn_free(ctx, p.keys.slot);
     if (status == KN_OK) count_all(job);
-    for (size_t i = 0; p.plans && i < job->ncells; i++) kn_free(ctx, p.plans[i].keys);
-    kn_free(ctx, p.plans);
     return status;
 }

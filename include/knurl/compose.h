@@ -94,8 +94,6 @@ KN_API void kn_compose_matrix_clear(kn_ctx *ctx, kn_compose_matrix *matrix);
 
 // ---- jobs ----
 
-typedef enum kn_normal_method { KN_NORMAL_FITTED } kn_normal_method;
-
 // Zero means the default in every field.
 typedef struct kn_job_options {
     int count[2];      // cells over each surface's domain in u and in v, at most 65536; 0: from size
