@@ -71,7 +71,7 @@ suite sanitize sanitize
 for target in tests/fuzz/fuzz_*.c; do
     test -e "$target" || continue
     name=$(basename "$target" .c)
-    step "$name" tools/fuzz_once.sh "$out/sanitize/tests/fuzz/$name" "$logs/$name" "${FUZZ_RUNS:-20000}"
+    step "$name" tools/fuzz_once.sh "$out/sanitize/tests/fuzz/$name" "$logs/$name" "${FUZZ_RUNS:-100000}"
 done
 step same-bytes tools/same_bytes.sh "$out/same-bytes" "$out/release/knurl" "$out/clang/release/knurl" "$out/sanitize/knurl"
 step tidy "$make" O="$out" -k tidy
