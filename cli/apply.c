@@ -159,7 +159,7 @@ static bool set_option(cli_apply *a, int option, const char *value)
     switch (option) {
     case TILE: a->tile = value; return true;
     case TILE_CELL: return set_cell(a, value);
-    case COUNT: return cli_int_pair("--count", value, 1, 1000000, job->count);
+    case COUNT: return cli_int_pair("--count", value, 1, CLI_MAX_COUNT, job->count);
     case SIZE:
         return cli_double_pair("--size", value, job->size) && positive("--size", job->size[0]) &&
                positive("--size", job->size[1]);
@@ -240,15 +240,31 @@ static kn_status run(kn_ctx *ctx, const cli_apply *a, const kn_job *job, double 
     return status;
 }
 
+// STEP files say that points within a micrometre are one, and CAD systems merge what is closer: a base in another
+// unit than the one that was said shows here.
+static void warn_of_size(cli_session *session, const cli_apply *a, const kn_job_report *report)
+{
+    double cell_mm = report->cell_size * a->unit_mm;
+    for (int i = 0; i < a->noutputs; i++)
+        if ((cli_has_ending(a->outputs[i], "step") || cli_has_ending(a->outputs[i], "stp")) && cell_mm < 0.01) {
+            cli_warn(session,
+                     "%s: cells of %.2g mm are too small for CAD systems, which merge points within 0.001 mm; "
+                     "is --unit right?",
+                     a->outputs[i], cell_mm);
+            return;
+        }
+}
+
 static int apply(cli_session *session, cli_apply *a, const cli_base *base, const kn_tile *tile, cli_timing *timing)
 {
     kn_ctx *ctx = cli_ctx(session);
     kn_job *job = NULL;
     double bytes[CLI_MAX_OUTPUTS], began = cli_seconds();
     kn_status status = kn_job_create(ctx, &job, base->surfaces, base->nsurfaces, tile, &a->job);
-    if (status != KN_OK) return cli_fail_on(session, status, a->base);
+    if (status != KN_OK) return cli_fail_on(session, status, a->base, false);
     kn_job_report report = kn_job_describe(job);
     timing->plan = cli_seconds() - began;
+    warn_of_size(session, a, &report);
     began = cli_seconds();
     if (a->dry_run)
         for (int i = 0; i < a->noutputs; i++) bytes[i] = cli_estimate_bytes(a->outputs[i], &report);

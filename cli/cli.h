@@ -68,7 +68,7 @@ kn_ctx *cli_ctx(cli_session *session);
 // Prints the context's error and answers the exit code that belongs to it. reading: a file was being read.
 int cli_fail(cli_session *session, kn_status status, bool reading);
 // The same for work on what was read from path: the message names it where what is in it is to blame.
-int cli_fail_on(cli_session *session, kn_status status, const char *path);
+int cli_fail_on(cli_session *session, kn_status status, const char *path, bool reading);
 // A warning on standard error, unless the session is quiet.
 void cli_warn(cli_session *session, const char *format, ...) KN_PRINTF(2, 3);
 double cli_seconds(void); // a monotonic clock
@@ -85,7 +85,10 @@ void cli_base_clear(cli_session *session, cli_base *base);
 int cli_read_tile(cli_session *session, kn_tile *out, const char *name, const double *cell);
 
 // ---- apply ----
-enum { CLI_MAX_OUTPUTS = 16 };
+enum {
+    CLI_MAX_OUTPUTS = 16,
+    CLI_MAX_COUNT = 65536 // cells along a surface: what a job takes
+};
 typedef struct cli_apply {
     const char *base, *tile;
     double cell[4];

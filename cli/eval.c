@@ -117,7 +117,7 @@ static int eval_all(cli_session *session, const request *r, const kn_spline *s)
             if (!shell) status = kn_shell_create(ctx, &shell, s, &(kn_shell_options){.normal_tol = r->normal_tol});
             if (status == KN_OK) status = eval_shell(ctx, shell, p, r->order, all);
         }
-        if (status != KN_OK) code = cli_fail_on(session, status, r->file);
+        if (status != KN_OK) code = cli_fail_on(session, status, r->file, false);
     }
     if (r->json && code == EXIT_OK) {
         json_dumpf(all, stdout, JSON_INDENT(2) | JSON_REAL_PRECISION(17));
@@ -151,7 +151,11 @@ static bool set_option(request *r, int option, const char *value)
     case AT: return add_point(r, value);
     case PATCH: return cli_int("--patch", value, 0, 1000000000, &r->patch);
     case DERIVATIVES: return cli_int("--derivatives", value, 0, MOST_ORDER, &r->order);
-    case NORMAL_TOL: return cli_double("--normal-tol", value, &r->normal_tol);
+    case NORMAL_TOL:
+        if (!cli_double("--normal-tol", value, &r->normal_tol)) return false;
+        if (r->normal_tol > 0) return true;
+        cli_error("--normal-tol: expected a number above 0, got %g", r->normal_tol);
+        return false;
     case JSON: return r->json = true;
     default: return false;
     }

@@ -69,5 +69,5 @@ int cli_read_tile(cli_session *session, kn_tile *out, const char *name, const do
         }
     if (!strchr(name, '.') && !strchr(name, '/') && access(name, F_OK) != 0) return unknown_tile(name);
     kn_status status = kn_read_tile(ctx, out, name, cell);
-    return status == KN_OK ? EXIT_OK : cli_fail(session, status, true);
+    return status == KN_OK ? EXIT_OK : cli_fail_on(session, status, name, true);
 }

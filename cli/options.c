@@ -140,7 +140,10 @@ int cli_list(const char *name, const char *text, double *out, int most)
         if (*end != ',') break;
         p = end + 1;
     }
-    cli_error("%s: expected %s, got '%s'", name, most == 1 ? "a number" : "numbers separated by commas", text);
+    if (most == 1)
+        cli_error("%s: expected a number, got '%s'", name, text);
+    else
+        cli_error("%s: expected at most %d numbers separated by commas, got '%s'", name, most, text);
     return 0;
 }
 

@@ -79,7 +79,8 @@ static bool get_count(const recipe *r, const json_t *value)
     double pair[2];
     if (!get_pair(r, "count", value, pair)) return false;
     for (int d = 0; d < 2; d++) {
-        if (pair[d] != floor(pair[d]) || pair[d] > 1e6) return bad(r, "count", "whole numbers from 1 to 1000000");
+        if (pair[d] != floor(pair[d]) || pair[d] > CLI_MAX_COUNT)
+            return bad(r, "count", "whole numbers from 1 to 65536");
         r->apply->job.count[d] = (int)pair[d];
     }
     return true;

@@ -125,6 +125,7 @@ static void print_failure(cli_session *session, kn_status status, const char *pa
 {
     end_line(session);
     const char *message = kn_ctx_message(session->ctx);
+    if (path && strncmp(message, path, strlen(path)) == 0) path = NULL; // named already
     cli_error("%s%s%s", path ? path : "", path ? ": " : "", *message ? message : kn_status_name(status));
 }
 
@@ -151,9 +152,9 @@ int cli_fail(cli_session *session, kn_status status, bool reading)
     return exit_code(status, reading);
 }
 
-int cli_fail_on(cli_session *session, kn_status status, const char *path)
+int cli_fail_on(cli_session *session, kn_status status, const char *path, bool reading)
 {
     bool blame = status == KN_EDOMAIN || status == KN_ELIMIT || status == KN_EUNDEFINED || status == KN_EUNDECIDED;
     print_failure(session, status, blame ? path : NULL);
-    return exit_code(status, false);
+    return exit_code(status, reading);
 }

@@ -68,6 +68,9 @@ static void usage_errors(void **state)
     assert_non_null(strstr(complained, "did you mean '--count'"));
     assert_int_equal(run("apply data/teapot.bpt --tile bump --count 0 --dry-run"), 2);
     assert_int_equal(run("apply data/teapot.bpt --tile bump --count 1e9 --dry-run"), 2);
+    assert_int_equal(run("apply data/teapot.bpt --tile bump --count 65537 --dry-run"), 2);
+    assert_int_equal(run("apply data/teapot.bpt --tile bump --count 2,2,2 --dry-run"), 2);
+    assert_non_null(strstr(complained, "at most 2 numbers"));
     assert_int_equal(run("apply data/teapot.bpt --tile bump --count 2 --size 1 --dry-run"), 2);
     assert_int_equal(run("apply data/teapot.bpt --tile bump --height 0 --dry-run"), 2);
     assert_int_equal(run("apply data/teapot.bpt --tile bump --size nan --dry-run"), 2);
@@ -76,6 +79,7 @@ static void usage_errors(void **state)
     assert_int_equal(run("eval data/teapot.bpt"), 2);
     assert_int_equal(run("eval data/teapot.bpt --at 2,0.5"), 2);
     assert_int_equal(run("eval data/teapot.bpt --patch 32 --at 0,0"), 2);
+    assert_int_equal(run("eval data/teapot.bpt --at 0.5,0.5,0 --normal-tol -1"), 2);
     assert_int_equal(run("info"), 2);
     assert_int_equal(run("tiles extra"), 2);
 }
@@ -326,6 +330,28 @@ static void bases_are_named(void **state)
                      "0 0 0\n20 0 0\n-10 0 0\n10 0 0\n0 9 0\n20 9 0\n-10 9 0\n10 9 0\n");
     assert_int_equal(run("apply '%s' --tile bump --count 1 --dry-run", path), 3);
     assert_non_null(strstr(complained, "cusp.g2: "));
+
+    test_tmp_path(path, "line.g2"); // as a tile
+    write_text(path, "100 1 0 0\n3 0\n2 2\n0 0 1 1\n0 0 0\n1 0 0\n");
+    assert_int_equal(run("apply data/teapot.bpt --tile '%s' --dry-run", path), 3);
+    assert_non_null(strstr(complained, "line.g2: "));
+    assert_int_equal(run("apply data/teapot.bpt --tile '%s.x' --dry-run", path), 3);
+    assert_null(strstr(strstr(complained, "line.g2.x") + 1, "line.g2.x")); // once
+}
+
+// A unit square of cells that CAD systems cannot tell apart in the unit that was said.
+static void cells_too_small_for_step(void **state)
+{
+    (void)state;
+    char in[PATH_BYTES];
+    test_tmp_path(in, "square.g2");
+    write_text(in, square);
+    assert_int_equal(run("apply '%s' --tile bump --count 200 --dry-run -o x.step", in), 0);
+    assert_non_null(strstr(complained, "is --unit right?"));
+    assert_int_equal(run("apply '%s' --tile bump --count 200 --unit m --dry-run -o x.step", in), 0);
+    assert_string_equal(complained, "");
+    assert_int_equal(run("apply '%s' --tile bump --count 200 --dry-run -o x.stl", in), 0);
+    assert_string_equal(complained, "");
 }
 
 static void endings_in_capitals(void **state)
@@ -463,6 +489,7 @@ int main(void)
         cmocka_unit_test(interrupted_is_5),
         cmocka_unit_test(options_override_a_recipe),
         cmocka_unit_test(bases_are_named),
+        cmocka_unit_test(cells_too_small_for_step),
         cmocka_unit_test(endings_in_capitals),
         cmocka_unit_test(json_of_a_name_that_is_no_text),
         cmocka_unit_test(a_pipe_without_a_reader_leaves_nothing),
