@@ -27,6 +27,29 @@ static json_t *number(double x)
     return isfinite(x) ? json_real(x) : json_null();
 }
 
+enum { JSON_DIGITS = 6, TEXT_DIGITS = 2 };
+
+// x moved up (sign 1) or down (-1) to a number of so many digits: what is printed of a bound is a bound, too.
+static double outward(double x, int sign, int digits)
+{
+    char text[32];
+    if (!isfinite(x)) return x;
+    snprintf(text, sizeof text, "%.*e", digits - 1, x);
+    long exponent = strtol(strchr(text, 'e') + 1, NULL, 10);
+    double y = strtod(text, NULL), step = pow(10.0, (double)(exponent - (digits - 1)));
+    return sign * y < sign * x ? y + sign * step : y;
+}
+
+static json_t *upper(double x)
+{
+    return number(outward(x, 1, JSON_DIGITS));
+}
+
+static json_t *lower(double x)
+{
+    return number(outward(x, -1, JSON_DIGITS));
+}
+
 static json_t *file_bytes(const cli_apply *a, const double *bytes)
 {
     json_t *object = json_object();
@@ -41,6 +64,7 @@ static json_t *file_bytes(const cli_apply *a, const double *bytes)
 static void print_json(const cli_apply *a, const kn_job_report *r, const double *bytes, const cli_timing *t,
                        size_t peak_bytes)
 {
+    // fit.tolerance: a stand-in and n may each be off by the tolerance in length and in angle, at the tile's height.
     int most = a->job.max_degree ? a->job.max_degree : 25;
     json_t *o = json_object();
     json_object_set_new(o, "base", cli_json_text(a->base));
@@ -58,14 +82,14 @@ static void print_json(const cli_apply *a, const kn_job_report *r, const double 
     json_object_set_new(o, "height", number(r->height));
     json_object_set_new(o, "normal",
                         json_pack("{s:s,s:o,s:o,s:o,s:b}", "method", "fitted", "tolerance", number(r->normal_tol),
-                                  "length_error", number(r->normal.length_error), "angle_error_rad",
-                                  number(r->normal.angle_error), "certified", r->normal.certified));
+                                  "length_error", upper(r->normal.length_error), "angle_error_rad",
+                                  upper(r->normal.angle_error), "certified", r->normal.certified));
     json_object_set_new(o, "fit",
                         json_pack("{s:i,s:o,s:o}", "max_degree", most, "tolerance",
-                                  number(2 * r->normal_tol * fabs(r->height)), "certified_error",
-                                  number(r->stand_in_error)));
+                                  number(4 * r->normal_tol * fabs(r->height)), "certified_error",
+                                  upper(r->stand_in_error)));
     json_object_set_new(o, "jacobian",
-                        json_pack("{s:o,s:o,s:b}", "min", number(r->jacobian_lo), "max", number(r->jacobian_hi),
+                        json_pack("{s:o,s:o,s:b}", "min", lower(r->jacobian_lo), "max", upper(r->jacobian_hi),
                                   "certified_positive", r->jacobian_lo > 0));
     json_object_set_new(o, "bytes", file_bytes(a, bytes));
     json_object_set_new(o, "bytes_estimated", json_boolean(a->dry_run));
@@ -73,7 +97,7 @@ static void print_json(const cli_apply *a, const kn_job_report *r, const double 
                         json_pack("{s:f,s:f,s:f,s:f}", "read", t->read, "plan", t->plan, "compose_and_write", t->run,
                                   "total", t->read + t->plan + t->run));
     json_object_set_new(o, "peak_bytes", json_integer((json_int_t)peak_bytes));
-    json_dumpf(o, stdout, JSON_INDENT(2) | JSON_REAL_PRECISION(6));
+    json_dumpf(o, stdout, JSON_INDENT(2) | JSON_REAL_PRECISION(JSON_DIGITS));
     putchar('\n');
     json_decref(o);
 }
@@ -84,15 +108,16 @@ static void print_text(const cli_apply *a, const kn_job_report *r, const double 
            r->nsurfaces == 1 ? "" : "s");
     printf("%zu patches of degree up to (%d,%d), %zu control points, %zu triangles\n", r->patches, r->degree[0],
            r->degree[1], r->control_points, r->triangles);
-    printf("unit normal within %.1e in length and %.1e rad%s\n", r->normal.length_error, r->normal.angle_error,
-           r->normal.certified ? " (certified)" : "");
+    printf("unit normal within %.1e in length and %.1e rad%s\n", outward(r->normal.length_error, 1, TEXT_DIGITS),
+           outward(r->normal.angle_error, 1, TEXT_DIGITS), r->normal.certified ? " (certified)" : "");
     if (r->exact_patches == r->patches)
         printf("every patch is the exact composition\n");
     else
         printf("%zu patches exact, %zu within %.1e (certified)\n", r->exact_patches, r->patches - r->exact_patches,
-               r->stand_in_error);
+               outward(r->stand_in_error, 1, TEXT_DIGITS));
     if (!(r->jacobian_lo > 0))
-        printf("the shell is not certified free of folds and poles (Jacobian >= %.2g)\n", r->jacobian_lo);
+        printf("the shell is not certified free of folds and poles (Jacobian >= %.2g)\n",
+               outward(r->jacobian_lo, -1, TEXT_DIGITS));
     for (int i = 0; i < a->noutputs; i++)
         printf("%s%s  %.1f MB\n", a->dry_run ? "would write about " : "", a->outputs[i], bytes[i] / 1e6);
     printf("%.2f s\n", t->read + t->plan + t->run);
