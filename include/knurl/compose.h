@@ -170,8 +170,9 @@ typedef struct kn_job kn_job;
 // its own parameter lines is cut there and continues in the next cell (wrapped where the surface is closed, on the
 // surface at the other side of a shared edge where cell lines and normals, to ten normal_tol, go on over it, and else
 // on its own extended surface); otherwise it keeps its
-// cell, over a box that reaches beyond it. Where no polynomial normal of low degree over the whole cell is within
-// normal_tol, patches are composed over smaller boxes and bisected as needed.
+// cell, over a box that reaches beyond it. Where S has a crease inside, n jumps, and a patch cut there is torn. Where
+// no polynomial normal of low degree over the whole cell is within normal_tol, patches are composed over smaller
+// boxes and bisected as needed.
 //
 // out:    *out, ended by kn_job_destroy.
 // fails:  as kn_shell_create, kn_spline_check and kn_tile_check; KN_EDOMAIN options negative or not finite, fewer
