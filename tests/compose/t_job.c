@@ -493,6 +493,37 @@ static void two_squares(kn_ctx *ctx, kn_spline out[2], int turns)
     }
 }
 
+// A job with all defaults: the tile's own proportions and a twentieth of the base's diagonal; the tile is copied, and
+// turned as the options ask: a quarter turn carries the strip, which reaches over both ends of u, to the ends of v.
+static void defaults_and_the_placed_tile(void **state)
+{
+    (void)state;
+    test_memory memory = TEST_MEMORY_INIT;
+    kn_ctx *ctx = test_ctx(&memory, 1);
+    kn_spline squares[2] = {{0}};
+    kn_tile strip = {0};
+    kn_job *job = NULL;
+    two_squares(ctx, squares, 0);
+    scene_strip(ctx, &strip);
+    kn_job_options o = kn_job_defaults();
+    o.quarter_turns = 1;
+    assert_int_equal(kn_job_create(ctx, &job, squares, 2, &strip, &o), KN_OK);
+    kn_job_report report = kn_job_describe(job);
+    assert_int_equal(report.cells, 2 * 9 * 9); // the diagonal is sqrt(5), a square 20 / sqrt(5) = 8.94 cells wide
+    assert_true(report.normal_tol == 1e-6);
+    assert_true(report.height == strip.aspect * report.cell_size);
+
+    const kn_tile *placed = kn_job_tile(job);
+    double lo[3], hi[3];
+    assert_true(placed != &strip && placed->parts != strip.parts);
+    assert_int_equal(kn_spline_box(ctx, lo, hi, &placed->parts[0].surfaces[0]), KN_OK);
+    assert_true(lo[0] == 0.25 && hi[0] == 0.75 && lo[1] == -0.25 && hi[1] == 1.25);
+    kn_job_destroy(ctx, job);
+    kn_tile_clear(ctx, &strip);
+    for (int s = 0; s < 2; s++) kn_spline_clear(ctx, &squares[s]);
+    test_ctx_end(ctx, &memory);
+}
+
 // The strip of scene_strip reaches a quarter of a cell over both ends of u. Over flat squares T(D) is D itself,
 // scaled and moved, wherever the tile continues over the shared edge: every piece of square 0's cell lies where the
 // strip over the plane does, however the other square is parametrized, and the piece beyond names the other square.
@@ -576,6 +607,7 @@ int main(void)
                                        cmocka_unit_test(same_for_any_threads),
                                        cmocka_unit_test(matrix_equals_symbolic),
                                        cmocka_unit_test(exact_cells_share_edges),
+                                       cmocka_unit_test(defaults_and_the_placed_tile),
                                        cmocka_unit_test(tiles_continue_on_the_neighbour),
                                        cmocka_unit_test(builtin_tiles)};
     return cmocka_run_group_tests_name("compose/job", tests, NULL, NULL);
