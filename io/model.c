@@ -1,12 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// The life of a model, and its reader chosen by the ending of the path.
+// The life of a model, and what readers share.
 #include <knurl/io.h>
 
 #include "io/in_file.h"
 #include "io/model.h"
 #include "kernel/context.h"
-
-#include <string.h>
 
 void kn_model_clear(kn_ctx *ctx, kn_model *model)
 {
@@ -47,23 +45,4 @@ kn_status kn_read_with(kn_ctx *ctx, kn_model *out, const char *path, kn_model_pa
     if (status == KN_OK) status = parse(ctx, out, path, text, bytes);
     kn_free(ctx, text);
     return status;
-}
-
-// Letters of either case: other systems write .G2. ending is in small ones.
-static bool ends_in(const char *path, const char *ending)
-{
-    size_t n = strlen(path), m = strlen(ending);
-    if (n < m) return false;
-    for (size_t i = 0; i < m; i++) {
-        char c = path[n - m + i];
-        if ((c >= 'A' && c <= 'Z' ? c - 'A' + 'a' : c) != ending[i]) return false;
-    }
-    return true;
-}
-
-kn_status kn_read_model(kn_ctx *ctx, kn_model *out, const char *path)
-{
-    if (ends_in(path, ".bpt")) return kn_read_bpt(ctx, out, path);
-    if (ends_in(path, ".g2")) return kn_read_g2(ctx, out, path);
-    return kn_fail(ctx, KN_EDOMAIN, "%s: no reader for this ending; .bpt and .g2 are read", path);
 }
