@@ -15,7 +15,10 @@ cat tests/*/*.c | tr -cs 'A-Za-z0-9_' '\n' | grep '^kn_' | LC_ALL=C sort -u >"$t
 status=0
 say()
 {
-    LC_ALL=C comm "$1" "$temporary/$2" "$temporary/$3" | grep . | sed "s/^/$4: /" && status=1 || true
+    found=$(LC_ALL=C comm "$1" "$temporary/$2" "$temporary/$3" | grep . || true)
+    test -n "$found" || return 0
+    printf '%s\n' "$found" | sed "s/^/$4: /"
+    status=1
 }
 say -23 declared exported 'declared, not exported'
 say -13 declared exported 'exported, not declared'
