@@ -1,6 +1,6 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
-# Shows that layers.sh, symbols.sh and tests/run.sh can fail: plants one violation at a time in a temporary copy.
+# Shows that layers.sh, symbols.sh, api.sh and tests/run.sh can fail: plants one violation at a time in a temporary copy.
 set -eu
 tools=$(cd "$(dirname "$0")" && pwd)
 cc=${CC:-gcc}
@@ -76,6 +76,47 @@ symbol '#include <stdio.h>\nvoid kn_f(int n) { printf("%d", n); }'
 test $static$shared = 11 || wrong "symbols.sh accepts printing ($static $shared)"
 symbol '#include <stdlib.h>\nvoid kn_f(void) { exit(1); }'
 test $static$shared = 11 || wrong "symbols.sh accepts exit ($static $shared)"
+
+# api DECLARED DEFINED TESTED: 0 when api.sh is content with these functions in a header, a library and a test.
+api()
+{
+    tests=$((tests + 1))
+    root=$temporary/api
+    rm -rf "$root"
+    mkdir -p "$root/include/knurl" "$root/tests/io"
+    for name in $1; do printf '// KN_API int kn_old(void);\nKN_API KN_CHECKED int *\n%s(int a,\n    int b);\n' "$name"; done \
+        >"$root/include/knurl/x.h"
+    for name in $2; do echo "int *$name(int a, int b) { return (void)a, (void)b, (int *)0; }"; done >"$root/x.c"
+    for name in $3; do echo "$name(1, 2);"; done >"$root/tests/io/t_x.c"
+    $cc -shared -fPIC -o "$root/x.so" "$root/x.c"
+    (cd "$root" && "$tools/api.sh" x.so >"$temporary/out") && status=0 || status=1
+}
+api 'kn_a kn_b' 'kn_b kn_a' 'kn_a kn_b kn_c'
+test $status = 0 || wrong "api.sh refuses what is in order"
+api 'kn_a kn_b' 'kn_a' 'kn_a kn_b'
+test $status = 1 || wrong "api.sh accepts what is declared and not exported"
+api 'kn_a' 'kn_a kn_b' 'kn_a kn_b'
+test $status = 1 || wrong "api.sh accepts what is exported and not declared"
+api 'kn_a kn_b' 'kn_a kn_b' 'kn_a kn_bb'
+test $status = 1 || wrong "api.sh accepts what no test uses"
+
+# api HEADER TEST: a library that exports kn_f alone, with this declaration and this test; `refused` tells.
+api()
+{
+    tests=$((tests + 1))
+    rm -rf "$temporary/api"
+    mkdir -p "$temporary/api/include/knurl" "$temporary/api/tests/m"
+    printf '%s\n' "$1" >"$temporary/api/include/knurl/h.h"
+    printf '%s\n' "$2" >"$temporary/api/tests/m/t_f.c"
+    printf 'int kn_f(void);\nint kn_f(void) { return 1; }\n' | $cc -shared -fPIC -x c -o "$temporary/api/l.so" -
+    (cd "$temporary/api" && "$tools/api.sh" l.so >/dev/null) && refused=0 || refused=1
+}
+api 'KN_API int kn_f(void);' 'kn_f();'
+test $refused = 0 || wrong "api.sh refuses what agrees"
+api 'KN_API int kn_f(void); KN_API int kn_g(void);' 'kn_f(), kn_g();'
+test $refused = 1 || wrong "api.sh accepts a declared function that is not exported"
+api 'KN_API int kn_f(void);' 'kn_g();'
+test $refused = 1 || wrong "api.sh accepts a function without a test"
 
 # program NAME BODY EXPECTED: tests/run.sh on a program of three tests, the last with BODY, counts EXPECTED.
 program()
