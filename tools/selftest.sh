@@ -100,24 +100,6 @@ test $status = 1 || wrong "api.sh accepts what is exported and not declared"
 api 'kn_a kn_b' 'kn_a kn_b' 'kn_a kn_bb'
 test $status = 1 || wrong "api.sh accepts what no test uses"
 
-# api HEADER TEST: a library that exports kn_f alone, with this declaration and this test; `refused` tells.
-api()
-{
-    tests=$((tests + 1))
-    rm -rf "$temporary/api"
-    mkdir -p "$temporary/api/include/knurl" "$temporary/api/tests/m"
-    printf '%s\n' "$1" >"$temporary/api/include/knurl/h.h"
-    printf '%s\n' "$2" >"$temporary/api/tests/m/t_f.c"
-    printf 'int kn_f(void);\nint kn_f(void) { return 1; }\n' | $cc -shared -fPIC -x c -o "$temporary/api/l.so" -
-    (cd "$temporary/api" && "$tools/api.sh" l.so >/dev/null) && refused=0 || refused=1
-}
-api 'KN_API int kn_f(void);' 'kn_f();'
-test $refused = 0 || wrong "api.sh refuses what agrees"
-api 'KN_API int kn_f(void); KN_API int kn_g(void);' 'kn_f(), kn_g();'
-test $refused = 1 || wrong "api.sh accepts a declared function that is not exported"
-api 'KN_API int kn_f(void);' 'kn_g();'
-test $refused = 1 || wrong "api.sh accepts a function without a test"
-
 # program NAME BODY EXPECTED: tests/run.sh on a program of three tests, the last with BODY, counts EXPECTED.
 program()
 {
