@@ -65,7 +65,6 @@ static void print_json(const cli_apply *a, const kn_job_report *r, const double 
                        size_t peak_bytes)
 {
     // fit.tolerance: a stand-in and n may each be off by the tolerance in length and in angle, at the tile's height.
-    int most = a->job.max_degree ? a->job.max_degree : 25;
     json_t *o = json_object();
     json_object_set_new(o, "base", cli_json_text(a->base));
     json_object_set_new(o, "tile", cli_json_text(a->tile));
@@ -85,7 +84,7 @@ static void print_json(const cli_apply *a, const kn_job_report *r, const double 
                                   "length_error", upper(r->normal.length_error), "angle_error_rad",
                                   upper(r->normal.angle_error), "certified", r->normal.certified));
     json_object_set_new(o, "fit",
-                        json_pack("{s:i,s:o,s:o}", "max_degree", most, "tolerance",
+                        json_pack("{s:i,s:o,s:o}", "max_degree", r->max_degree, "tolerance",
                                   number(4 * r->normal_tol * fabs(r->height)), "certified_error",
                                   upper(r->stand_in_error)));
     json_object_set_new(o, "jacobian",

@@ -297,6 +297,7 @@ kn_status kn_job_create(kn_ctx *ctx, kn_job **out, const kn_spline *surfaces, in
     job->options = o;
     job->nsurfaces = job->report.nsurfaces = nsurfaces;
     job->report.normal_tol = o.normal_tol;
+    job->report.max_degree = o.max_degree;
     job->surfaces = kn_alloc_zero(ctx, (size_t)nsurfaces, sizeof *job->surfaces);
     status = job->surfaces ? plan(ctx, job, surfaces, tile) : KN_ENOMEM;
     if (status == KN_OK)

@@ -116,7 +116,8 @@ typedef struct kn_job_report {
     int degree[2];                // the largest in r and in t
     double height, cell_size;     // in force, length units
     kn_normal_certificate normal; // over all pieces in use
-    double normal_tol;
+    double normal_tol;            // in force
+    int max_degree;               // in force
     // Bound of |patch - T(D)| where a stand-in for n is used, length units; 0: none is. Where D reaches beyond the
     // surface's domain T(D) is S + w times its unit normal there, and not kn_shell_eval, which extends n.
     double stand_in_error;

@@ -511,6 +511,7 @@ static void defaults_and_the_placed_tile(void **state)
     kn_job_report report = kn_job_describe(job);
     assert_int_equal(report.cells, 2 * 9 * 9); // the diagonal is sqrt(5), a square 20 / sqrt(5) = 8.94 cells wide
     assert_true(report.normal_tol == 1e-6);
+    assert_int_equal(report.max_degree, 25);
     assert_true(report.height == strip.aspect * report.cell_size);
 
     const kn_tile *placed = kn_job_tile(job);
