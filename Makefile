@@ -52,7 +52,7 @@ ALL_LDFLAGS = $(OPT) -pthread $(LDFLAGS)
 LIBS := -lm
 
 # ---- optional libraries, all in one place: a header that tells whether it is there, flags, what to link ----
-EXTERNALS := tinygltf embree png occt jansson sisl cmocka
+EXTERNALS := tinygltf embree png occt jansson sisl cmocka flint
 HEADER_tinygltf := tiny_gltf.h
 LIBS_tinygltf := -ltinygltf
 HEADER_embree := embree3/rtcore.h
@@ -69,6 +69,8 @@ HEADER_sisl := sisl.h
 LIBS_sisl := -lsisl
 HEADER_cmocka := cmocka.h
 LIBS_cmocka := -lcmocka
+HEADER_flint := arb.h
+LIBS_flint := -lflint-arb -lflint -lmpfr -lgmp
 
 
 hash := \#
@@ -76,13 +78,13 @@ FOUND := $(shell printf '%s\n' $(foreach e,$(EXTERNALS),'$(hash)if __has_include
   | $(CXX) -E -P -x c++ - 2>/dev/null)
 
 # ---- what there is to build: every file that exists in its place ----
-MODULES := kernel bezier trivar compose mesh implicit levelset subdiv io
+MODULES := kernel bezier spline solve fit construct trivar compose mesh implicit levelset subdiv io
 LIB_SRC := $(foreach m,$(MODULES),$(wildcard $(m)/*.c))
 BRIDGES := $(filter $(FOUND),$(notdir $(patsubst %/,%,$(wildcard bridges/*/))))
 bridge_src = $(wildcard bridges/$(1)/*.cpp bridges/$(1)/*.c)
 BRIDGE_SRC := $(foreach b,$(BRIDGES),$(call bridge_src,$(b)))
 CLI_SRC := $(wildcard cli/*.c)
-TEST_SRC := $(wildcard tests/*/t_*.c)
+TEST_SRC := $(filter-out $(if $(filter flint,$(FOUND)),,tests/oracle/%),$(wildcard tests/*/t_*.c)) # the oracle needs FLINT
 SUPPORT_SRC := $(filter-out $(TEST_SRC),$(wildcard tests/support/*.c))
 BENCH_SRC := $(wildcard bench/*.c)
 FUZZ_SRC := $(wildcard tests/fuzz/fuzz_*.c)
@@ -175,7 +177,8 @@ $(B)/tests/$(1)/t_%: $(B)/obj/tests/$(1)/t_%.c.o $(call objects,$(filter tests/$
   $(if $(filter bridges cli,$(1)),$(BRIDGE_LIBS)) $(LIB)
 	@mkdir -p $$(@D)
 	$$(call say,LINK,$$@)
-	$$(Q)$$(CC) $$(ALL_LDFLAGS) -o $$@ $$^ $(if $(filter bridges cli,$(1)),$(BRIDGE_LINK)) $$(TEST_LIBS) $$(LIBS)
+	$$(Q)$$(CC) $$(ALL_LDFLAGS) -o $$@ $$^ $(if $(filter bridges cli,$(1)),$(BRIDGE_LINK)) $(if $(filter oracle,$(1)),$(LIBS_flint)) \
+	  $$(TEST_LIBS) $$(LIBS)
 endef
 $(foreach d,$(sort $(patsubst tests/%/,%,$(dir $(TEST_SRC)))),$(eval $(call test_rule,$(d))))
 

@@ -13,6 +13,8 @@ packages="$packages libocct-data-exchange-dev libocct-ocaf-dev libocct-modeling-
  libocct-modeling-data-dev libocct-foundation-dev"
 # the test framework, a checker of STL files, the library that benchmarks compare with
 packages="$packages libcmocka-dev admesh libsisl-dev"
+# exact arithmetic, the oracle of the tests
+packages="$packages libflint-dev libflint-arb-dev"
 
 if [ "${1-}" = --list ]; then
     printf '%s\n' $packages

@@ -63,6 +63,14 @@ KN_API KN_CHECKED kn_status kn_bezier_eval(kn_ctx *ctx, double *out, const kn_be
 // cost:   as kn_bezier_eval without its set-up, in vectors where the machine has them (up to three variables).
 KN_API KN_CHECKED kn_status kn_bezier_eval_batch(kn_ctx *ctx, double *out, const kn_bezier *b, size_t npoints,
                                                  const double *at);
+// Values and all first partials at npoints points: out[(i*(1 + nvars) + k)*dim + c], k = 0 the value, k = 1 + d the
+// derivative in variable d.
+KN_API KN_CHECKED kn_status kn_bezier_eval_batch_partials(kn_ctx *ctx, double *out, const kn_bezier *b,
+                                                          size_t npoints, const double *at);
+// Values on the grid at[0] x at[1] x .., n[d] parameters in variable d: out[i*dim + c], i the place in the grid, the
+// last variable fastest.
+KN_API KN_CHECKED kn_status kn_bezier_eval_grid(kn_ctx *ctx, double *out, const kn_bezier *b, const size_t *n,
+                                                const double *const *at);
 // All partial derivatives of total order <= order.
 // out:    kn_derivative_count(nvars, order) values of dim components each, in the order of kn_derivative_index.
 // fails:  KN_EDOMAIN order < 0; KN_ELIMIT order > KN_MAX_DEGREE or too many; KN_EUNDEFINED the weight is zero.
@@ -113,6 +121,20 @@ KN_API KN_CHECKED kn_status kn_bezier_cross(kn_ctx *ctx, kn_bezier *out, const k
 // fails:  KN_EDOMAIN var; KN_ELIMIT doubled degrees.
 // error:  polynomial: gamma(2)|c_k|. rational: gamma(T + 3 nvars + 6)(|N'| * |w| + |w'| * |N|)_k.
 KN_API KN_CHECKED kn_status kn_bezier_derivative(kn_ctx *ctx, kn_bezier *out, const kn_bezier *a, int var);
+// out = det(a, b, c) = a . (b x c), of dimension 1; all three of dimension 3 (else KN_EDOMAIN).
+KN_API KN_CHECKED kn_status kn_bezier_determinant(kn_ctx *ctx, kn_bezier *out, const kn_bezier *a, const kn_bezier *b,
+                                                  const kn_bezier *c);
+// out_r = sum_c matrix[r * dim(a) + c] a_c + offset[r] for r < dim; offset NULL: zeros. The weight stays.
+KN_API KN_CHECKED kn_status kn_bezier_affine(kn_ctx *ctx, kn_bezier *out, const kn_bezier *a, int dim,
+                                             const double *matrix, const double *offset);
+// out = the antiderivative of a in variable var that is zero at 0: one degree more in var. Polynomial a only.
+KN_API KN_CHECKED kn_status kn_bezier_antiderivative(kn_ctx *ctx, kn_bezier *out, const kn_bezier *a, int var);
+// out = the integral of a over [0,1]^nvars, dim numbers. Polynomial a only.
+KN_API KN_CHECKED kn_status kn_bezier_integral(kn_ctx *ctx, double *out, const kn_bezier *a);
+// All first partials in one piece of a's degrees: component c * nvars + d is the derivative of a_c in variable d.
+KN_API KN_CHECKED kn_status kn_bezier_gradient(kn_ctx *ctx, kn_bezier *out, const kn_bezier *a);
+// out = sum_d of the derivative of a_d in variable d, of dimension 1; dim = nvars.
+KN_API KN_CHECKED kn_status kn_bezier_divergence(kn_ctx *ctx, kn_bezier *out, const kn_bezier *a);
 // Components first .. first+count-1 as a polynomial piece (of a rational piece: homogeneous components), exactly.
 // fails:  KN_EDOMAIN they are not all among the ncomp components, or count < 1.
 KN_API KN_CHECKED kn_status kn_bezier_components(kn_ctx *ctx, kn_bezier *out, const kn_bezier *a, int first,
@@ -123,6 +145,16 @@ KN_API KN_CHECKED kn_status kn_bezier_components(kn_ctx *ctx, kn_bezier *out, co
 // fails:  KN_EDOMAIN a degree below a's; KN_ELIMIT.
 // error:  gamma(sum over raised d of (T_d + 2)) |a|_k, T_d = min(a.degree[d], the rise) + 1 terms, |a| elevated too.
 KN_API KN_CHECKED kn_status kn_bezier_elevate(kn_ctx *ctx, kn_bezier *out, const kn_bezier *a, const int *degree);
+// The least degrees, variable by variable, that represent a within tolerance (0: exactly); nvars numbers.
+KN_API KN_CHECKED kn_status kn_bezier_least_degree(kn_ctx *ctx, int *degree, const kn_bezier *a, double tolerance);
+// out = a with lower degrees degree[d] <= a's; *error >= |out - a| over [0,1]^nvars, rounding included (NULL: not
+// wanted).
+KN_API KN_CHECKED kn_status kn_bezier_reduce(kn_ctx *ctx, kn_bezier *out, double *error, const kn_bezier *a,
+                                             const int *degree);
+// out(.., x_var, ..) = a(.., 1 - x_var, ..), bit for bit.
+KN_API KN_CHECKED kn_status kn_bezier_reverse(kn_ctx *ctx, kn_bezier *out, const kn_bezier *a, int var);
+// Variable d of out is variable order[d] of a, a permutation; bit for bit.
+KN_API KN_CHECKED kn_status kn_bezier_permute(kn_ctx *ctx, kn_bezier *out, const kn_bezier *a, const int *order);
 // left(t) = a on [0,at] and right(t) = a on [at,1] of variable var, each over [0,1] again.
 // in:     at any finite number (else KN_EDOMAIN), also outside [0,1].
 // out:    left and right: initialised, two pieces; neither may be a. Their common edge is the same bit for bit.
@@ -137,6 +169,19 @@ KN_API KN_CHECKED kn_status kn_bezier_subdivide(kn_ctx *ctx, kn_bezier *left, kn
 // cost:   count * sum_d (degree[d] + 1) multiply-adds a component.
 KN_API KN_CHECKED kn_status kn_bezier_restrict(kn_ctx *ctx, kn_bezier *out, const kn_bezier *a, const double *lo,
                                                const double *hi);
+// ---- bounds: rounding included, so that what they exclude is excluded ----
+// A box that contains a over [lo,hi] (both NULL: [0,1]^nvars): dim numbers each.
+KN_API KN_CHECKED kn_status kn_bezier_box(kn_ctx *ctx, double *box_lo, double *box_hi, const kn_bezier *a,
+                                          const double *lo, const double *hi);
+// A box with turned axes: { center + sum_i s_i axis[i], |s_i| <= half[i] }, axis[i] orthonormal within rounding.
+typedef struct kn_oriented_box {
+    double center[3], axis[3][3], half[3];
+} kn_oriented_box;
+// A small oriented box that contains a (dimension 2 or 3) over [0,1]^nvars.
+KN_API KN_CHECKED kn_status kn_bezier_oriented_box(kn_ctx *ctx, kn_oriented_box *out, const kn_bezier *a);
+// out[d] >= |derivative of a in variable d| (Euclidean norm) over [0,1]^nvars: nvars numbers.
+KN_API KN_CHECKED kn_status kn_bezier_lipschitz(kn_ctx *ctx, double *out, const kn_bezier *a);
+
 // Removes the factor x_var^k (at_end false) or (1 - x_var)^k (at_end true) that all of a's coefficients share, with
 // the largest such k, which *order receives: the exact division by which poles are handled. A zero coefficient is one
 // that compares equal to 0; of a rational piece the weight's count too.

@@ -62,6 +62,23 @@ KN_API KN_CHECKED kn_status kn_tile_rotate(kn_ctx *ctx, kn_tile *tile, int quart
 KN_API KN_CHECKED kn_status kn_bezier_compose(kn_ctx *ctx, kn_bezier *out, const kn_bezier *outer,
                                               const kn_bezier *inner);
 
+// out(x) = outer(inner(x)) for splines. Where inner's image crosses knot lines of outer isoparametrically (a
+// component that depends on one variable alone) inner is split there; elsewhere each piece of inner has to stay
+// inside one piece of outer (else KN_EDOMAIN, the knot line named).
+KN_API KN_CHECKED kn_status kn_spline_compose(kn_ctx *ctx, kn_spline *out, const kn_spline *outer,
+                                              const kn_spline *inner);
+// out = a with variable var replaced by g, a univariate function of one component: a reparameterization.
+KN_API KN_CHECKED kn_status kn_bezier_substitute(kn_ctx *ctx, kn_bezier *out, const kn_bezier *a, int var,
+                                                 const kn_bezier *g);
+KN_API KN_CHECKED kn_status kn_spline_substitute(kn_ctx *ctx, kn_spline *out, const kn_spline *a, int var,
+                                                 const kn_spline *g);
+// Sensitivities of f = outer(inner). To outer's control point `index` (multi-index, any component): out of
+// dimension 1. To inner's control point `index` of component comp: out of outer's dimension.
+KN_API KN_CHECKED kn_status kn_bezier_compose_outer_sensitivity(kn_ctx *ctx, kn_bezier *out, const kn_bezier *outer,
+                                                                const kn_bezier *inner, const int *index);
+KN_API KN_CHECKED kn_status kn_bezier_compose_inner_sensitivity(kn_ctx *ctx, kn_bezier *out, const kn_bezier *outer,
+                                                                const kn_bezier *inner, int comp, const int *index);
+
 // out = T(D(r,t)) by symbolic composition of each term of the piece, sum_k term[k](u,v) w^k: the reference for the
 // matrix below.
 // in:     tile: D, any number of variables, three polynomial components (u, v, w), u and v in box coordinates, w in

@@ -6,6 +6,9 @@
 #include <knurl/base.h>
 #include <knurl/bezier.h>
 #include <knurl/spline.h>
+#include <knurl/fit.h>
+#include <knurl/construct.h>
+#include <knurl/solve.h>
 #include <knurl/shell.h>
 #include <knurl/compose.h>
 #include <knurl/mesh.h>

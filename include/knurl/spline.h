@@ -72,6 +72,14 @@ KN_API KN_CHECKED kn_status kn_spline_eval(kn_ctx *ctx, double *out, const kn_sp
 //         sum_d spans * (p_d + 1)^2 numbers of scratch, made only where there are points enough to pay for them.
 KN_API KN_CHECKED kn_status kn_spline_eval_batch(kn_ctx *ctx, double *out, const kn_spline *s, size_t npoints,
                                                  const double *at);
+// Values and all first partials at npoints points: out[(i*(1 + nvars) + k)*dim + c], k = 0 the value, k = 1 + d the
+// derivative in variable d.
+KN_API KN_CHECKED kn_status kn_spline_eval_batch_partials(kn_ctx *ctx, double *out, const kn_spline *s,
+                                                          size_t npoints, const double *at);
+// Values on the grid at[0] x at[1] x .., n[d] parameters in variable d: out[i*dim + c], i the place in the grid, the
+// last variable fastest.
+KN_API KN_CHECKED kn_status kn_spline_eval_grid(kn_ctx *ctx, double *out, const kn_spline *s, const size_t *n,
+                                                const double *const *at);
 // All partial derivatives of total order <= order.
 // out:    kn_derivative_count(nvars, order) values of dim components each, in the order of kn_derivative_index.
 // fails:  KN_EDOMAIN order < 0; KN_ELIMIT order > KN_MAX_DEGREE or too many; KN_EUNDEFINED the weight is zero.
@@ -123,7 +131,52 @@ KN_API KN_CHECKED kn_status kn_spline_derivative(kn_ctx *ctx, kn_spline *out, co
 // source: by blossoms (Ramshaw, Blossoms are polar forms, CAGD 6, 1989); Prautzsch, CAGD 1 (1984).
 KN_API KN_CHECKED kn_status kn_spline_elevate(kn_ctx *ctx, kn_spline *out, const kn_spline *a, const int *degree);
 
+// The least degrees that represent a within tolerance (0: exactly), variable by variable; nvars numbers.
+KN_API KN_CHECKED kn_status kn_spline_least_degree(kn_ctx *ctx, int *degree, const kn_spline *a, double tolerance);
+// out = a with lower degrees; *error >= |out - a| over the domain, rounding included (NULL: not wanted).
+KN_API KN_CHECKED kn_status kn_spline_reduce(kn_ctx *ctx, kn_spline *out, double *error, const kn_spline *a,
+                                             const int *degree);
+// out_r = sum_c matrix[r * dim(a) + c] a_c + offset[r] for r < dim; offset NULL: zeros. The weight stays.
+KN_API KN_CHECKED kn_status kn_spline_affine(kn_ctx *ctx, kn_spline *out, const kn_spline *a, int dim,
+                                             const double *matrix, const double *offset);
+KN_API KN_CHECKED kn_status kn_spline_scale(kn_ctx *ctx, kn_spline *out, const kn_spline *a, double factor);
+KN_API KN_CHECKED kn_status kn_spline_difference(kn_ctx *ctx, kn_spline *out, const kn_spline *a, const kn_spline *b);
+// out = det(a, b, c), of dimension 1; all three of dimension 3.
+KN_API KN_CHECKED kn_status kn_spline_determinant(kn_ctx *ctx, kn_spline *out, const kn_spline *a, const kn_spline *b,
+                                                  const kn_spline *c);
+// As the functions of the same names in bezier.h.
+KN_API KN_CHECKED kn_status kn_spline_components(kn_ctx *ctx, kn_spline *out, const kn_spline *a, int first,
+                                                 int count);
+KN_API KN_CHECKED kn_status kn_spline_antiderivative(kn_ctx *ctx, kn_spline *out, const kn_spline *a, int var);
+KN_API KN_CHECKED kn_status kn_spline_integral(kn_ctx *ctx, double *out, const kn_spline *a);
+KN_API KN_CHECKED kn_status kn_spline_gradient(kn_ctx *ctx, kn_spline *out, const kn_spline *a);
+KN_API KN_CHECKED kn_status kn_spline_divergence(kn_ctx *ctx, kn_spline *out, const kn_spline *a);
+// out[d] >= |derivative of a in variable d| (Euclidean norm) over the domain: nvars numbers.
+KN_API KN_CHECKED kn_status kn_spline_lipschitz(kn_ctx *ctx, double *out, const kn_spline *a);
+
 // ---- pieces ----
+// Removes interior knots of variable var, as many as the bound *error <= tolerance allows (0: those whose removal is
+// exact); *error >= |out - a| over the domain, rounding included (NULL: not wanted).
+KN_API KN_CHECKED kn_status kn_spline_remove_knots(kn_ctx *ctx, kn_spline *out, double *error, const kn_spline *a,
+                                                   int var, double tolerance);
+// out = a on a grid that contains, in every variable d, the n[d] knots (each as often as it is listed, or as a has
+// it).
+KN_API KN_CHECKED kn_status kn_spline_refine(kn_ctx *ctx, kn_spline *out, const kn_spline *a, const int *n,
+                                             const double *const *knots);
+// Brings n splines over one domain, in place, to the same degrees and knots; values are unchanged.
+KN_API KN_CHECKED kn_status kn_spline_make_compatible(kn_ctx *ctx, kn_spline *list, int n);
+// One spline of a and b, where a ends in var b begins: with the continuity they have there within tolerance.
+KN_API KN_CHECKED kn_status kn_spline_merge(kn_ctx *ctx, kn_spline *out, double *error, const kn_spline *a,
+                                            const kn_spline *b, int var, double tolerance);
+// The same values over [lo,hi] in variable var.
+KN_API KN_CHECKED kn_status kn_spline_reparameterize(kn_ctx *ctx, kn_spline *out, const kn_spline *a, int var,
+                                                     double lo, double hi);
+KN_API KN_CHECKED kn_status kn_spline_reverse(kn_ctx *ctx, kn_spline *out, const kn_spline *a, int var);
+// Variable d of out is variable order[d] of a, a permutation; bit for bit.
+KN_API KN_CHECKED kn_status kn_spline_permute(kn_ctx *ctx, kn_spline *out, const kn_spline *a, const int *order);
+// The curve, surface, .. of one variable less at x_var = at.
+KN_API KN_CHECKED kn_status kn_spline_isoparametric(kn_ctx *ctx, kn_spline *out, const kn_spline *a, int var,
+                                                    double at);
 // Inserts n knots (any order, repeated for multiplicity) into variable var; the function is unchanged.
 // fails:  KN_EDOMAIN var, n < 0, a knot that is not inside the domain, or more than degree + 1 equal ones.
 // error:  convex combinations without any cancellation: gamma(6 p + 1) sum_k |w_ik c_k|. Coefficients that no new

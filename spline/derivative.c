@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: Apache-2.0
+// The partial derivative of a spline as a spline.
+#include "spline/internal.h"
+#include "kernel/context.h"
+
+static kn_status rational_piece(kn_ctx *ctx, kn_bezier *out, const kn_bezier *a, const kn_bezier *b,
+                                const double *size, const void *user)
+{
+    (void)b;
+    int var = *(const int *)user;
+    kn_status status = kn_bezier_derivative(ctx, out, a, var);
+    size_t n = kn_bezier_count(out) * (size_t)kn_bezier_dim(out);
+    for (size_t i = 0; i < n && status == KN_OK; i++) out->coef[i] /= size[var];
+    return status;
+}
+
+// Coefficients p (c_i+1 - c_i) / (t_i+p+1 - t_i+1) on the same knots, those of multiplicity p + 1 once less: where a
+// whole interval is empty (a jump) there is no such coefficient.
+static int difference_rows(kn_band *band, double *to, const double *knots, int degree, int count)
+{
+    int rows = 0;
+    for (int i = 0; i + 1 < count; i++) {
+        double length = knots[i + degree + 1] - knots[i + 1];
+        if (!(length > 0.0)) continue;
+        band->first[rows] = i;
+        band->w[2 * rows] = -degree / length;
+        band->w[2 * rows + 1] = degree / length;
+        to[rows++] = knots[i + 1];
+    }
+    for (int k = 0; k < degree; k++) to[rows + k] = knots[count];
+    return rows;
+}
+
+static kn_status differentiate(kn_ctx *ctx, kn_spline *s, int var)
+{
+    int p = s->degree[var], count = s->count[var];
+    kn_mark mark = kn_scratch_mark(ctx);
+    kn_band band;
+    double *to = kn_scratch(ctx, (size_t)count + (size_t)p, sizeof *to);
+    kn_status status = to ? kn_spline_band(ctx, &band, count, 2) : KN_ENOMEM;
+    if (status == KN_OK) {
+        band.rows = difference_rows(&band, to, s->knots[var], p, count);
+        status = kn_spline_map(ctx, s, var, p - 1, to, &band);
+    }
+    kn_scratch_release(ctx, mark);
+    return status;
+}
+
+kn_status kn_spline_derivative(kn_ctx *ctx, kn_spline *out, const kn_spline *a, int var)
+{
+    kn_status status = kn_spline_expect(ctx, "spline_derivative", a, var);
+    if (status != KN_OK) return status;
+    if (a->rational) return kn_spline_by_pieces(ctx, "spline_derivative", out, a, NULL, rational_piece, &var, var);
+
+    kn_spline s = {0};
+    status = kn_spline_copy(ctx, &s, a);
+    if (status == KN_OK && a->degree[var] > 0) {
+        status = differentiate(ctx, &s, var);
+    } else if (status == KN_OK) { // constant on each span
+        size_t n = kn_spline_count(&s) * (size_t)s.ncomp;
+        for (size_t i = 0; i < n; i++) s.coef[i] = 0.0;
+    }
+    if (status == KN_OK) kn_spline_swap(out, &s);
+    kn_spline_clear(ctx, &s);
+    return status;
+}

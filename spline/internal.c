@@ -1,0 +1,141 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the operations on kn_spline share: storage, and maps along one variable.
+#include "spline/internal.h"
+
+#include "kernel/context.h"
+
+kn_status kn_spline_shape(kn_ctx *ctx, const char *call, int nvars, int ncomp, bool rational, const int *degree,
+                          const int *count)
+{
+    if (nvars < 1 || ncomp < 1 + rational)
+        return kn_fail(ctx, KN_EDOMAIN, "%s: nvars %d, ncomp %d%s", call, nvars, ncomp, rational ? ", rational" : "");
+    if (nvars > KN_MAX_VARS || ncomp > KN_MAX_COMPS)
+        return kn_fail(ctx, KN_ELIMIT, "%s: nvars %d, ncomp %d", call, nvars, ncomp);
+    size_t total = (size_t)ncomp;
+    for (int d = 0; d < nvars; d++) {
+        if (degree[d] < 0 || count[d] < degree[d] + 1)
+            return kn_fail(ctx, KN_EDOMAIN, "%s: degree %d, count %d in variable %d", call, degree[d], count[d], d);
+        if (degree[d] > KN_MAX_DEGREE)
+            return kn_fail(ctx, KN_ELIMIT, "%s: degree %d in variable %d", call, degree[d], d);
+        if ((size_t)count[d] > KN_MAX_COEFS / total)
+            return kn_fail(ctx, KN_ELIMIT, "%s: more than %zu coefficients", call, KN_MAX_COEFS);
+        total *= (size_t)count[d];
+    }
+    return KN_OK;
+}
+
+kn_status kn_spline_alloc(kn_ctx *ctx, kn_spline *out, int nvars, int ncomp, bool rational, const int *degree,
+                          const int *count)
+{
+    kn_spline s = {.nvars = nvars, .ncomp = ncomp, .rational = rational};
+    bool ok = true;
+    for (int d = 0; d < nvars; d++) {
+        s.degree[d] = degree[d], s.count[d] = count[d];
+        if (ok) s.knots[d] = kn_alloc(ctx, (size_t)count[d] + (size_t)degree[d] + 1, sizeof(double));
+        ok = ok && s.knots[d];
+    }
+    if (ok) s.coef = kn_alloc(ctx, kn_spline_count(&s) * (size_t)ncomp, sizeof(double));
+    if (!s.coef) {
+        kn_spline_clear(ctx, &s);
+        return KN_ENOMEM;
+    }
+    *out = s;
+    return KN_OK;
+}
+
+kn_status kn_spline_expect(kn_ctx *ctx, const char *call, const kn_spline *s, int var)
+{
+    if (s->nvars < 1) return kn_fail(ctx, KN_EDOMAIN, "%s: an empty spline", call);
+    if (var < 0 || var >= s->nvars) return kn_fail(ctx, KN_EDOMAIN, "%s: variable %d of %d", call, var, s->nvars);
+    return KN_OK;
+}
+
+size_t kn_spline_inner(const kn_spline *s, int var)
+{
+    size_t n = 1;
+    for (int d = var + 1; d < s->nvars; d++) n *= (size_t)s->count[d];
+    return n;
+}
+
+size_t kn_spline_outer(const kn_spline *s, int var)
+{
+    size_t n = (size_t)s->ncomp;
+    for (int d = 0; d < var; d++) n *= (size_t)s->count[d];
+    return n;
+}
+
+kn_status kn_spline_band(kn_ctx *ctx, kn_band *band, int rows, int width)
+{
+    *band = (kn_band){.rows = rows, .width = width};
+    band->first = kn_scratch(ctx, (size_t)rows, sizeof *band->first);
+    band->w = kn_scratch(ctx, (size_t)rows * (size_t)width, sizeof *band->w);
+    return band->first && band->w ? KN_OK : KN_ENOMEM;
+}
+
+kn_status kn_spline_map(kn_ctx *ctx, kn_spline *s, int var, int degree, const double *knots, const kn_band *band)
+{
+    kn_spline shape = *s; // only its numbers are used
+    shape.degree[var] = degree, shape.count[var] = band->rows;
+    kn_status status = kn_spline_shape(ctx, "spline", s->nvars, s->ncomp, s->rational, shape.degree, shape.count);
+    if (status != KN_OK) return status;
+
+    size_t nknots = (size_t)band->rows + (size_t)degree + 1;
+    double *k = kn_alloc(ctx, nknots, sizeof *k);
+    double *c = k ? kn_alloc(ctx, kn_spline_count(&shape) * (size_t)s->ncomp, sizeof *c) : NULL;
+    if (!c) {
+        kn_free(ctx, k);
+        return KN_ENOMEM;
+    }
+    for (size_t i = 0; i < nknots; i++) k[i] = knots[i];
+    kn_band_apply(c, band, s->coef, kn_spline_outer(s, var), s->count[var], kn_spline_inner(s, var));
+    kn_free(ctx, s->knots[var]);
+    kn_free(ctx, s->coef);
+    s->degree[var] = degree, s->count[var] = band->rows;
+    s->knots[var] = k, s->coef = c;
+    return KN_OK;
+}
+
+kn_status kn_spline_refine_axis(kn_ctx *ctx, kn_spline *s, int var, const double *to, int rows)
+{
+    kn_mark mark = kn_scratch_mark(ctx);
+    kn_band band;
+    kn_status status = kn_spline_band(ctx, &band, rows, s->degree[var] + 1);
+    if (status == KN_OK) {
+        kn_band_refine(&band, s->knots[var], s->degree[var], s->count[var], to);
+        status = kn_spline_map(ctx, s, var, s->degree[var], to, &band);
+    }
+    kn_scratch_release(ctx, mark);
+    return status;
+}
+
+kn_status kn_spline_split_at(kn_ctx *ctx, kn_spline *s, int var, const double *breaks, int nbreaks)
+{
+    int p = s->degree[var];
+    kn_mark mark = kn_scratch_mark(ctx);
+    double *to = kn_scratch(ctx, (size_t)nbreaks * (size_t)(p + 1), sizeof *to);
+    kn_status status = to ? KN_OK : KN_ENOMEM;
+    if (status == KN_OK) {
+        for (int i = 0; i < nbreaks; i++)
+            for (int k = 0; k <= p; k++) to[i * (p + 1) + k] = breaks[i];
+        status = kn_spline_refine_axis(ctx, s, var, to, (nbreaks - 1) * (p + 1));
+    }
+    kn_scratch_release(ctx, mark);
+    return status;
+}
+
+kn_status kn_spline_expect_pair(kn_ctx *ctx, const char *call, const kn_spline *a, const kn_spline *b)
+{
+    kn_status status = kn_spline_expect(ctx, call, a, 0);
+    if (status == KN_OK) status = kn_spline_expect(ctx, call, b, 0);
+    if (status != KN_OK) return status;
+    if (a->nvars != b->nvars) return kn_fail(ctx, KN_EDOMAIN, "%s: %d and %d variables", call, a->nvars, b->nvars);
+    for (int d = 0; d < a->nvars; d++) {
+        double lo[2], hi[2];
+        kn_spline_domain(a, d, &lo[0], &hi[0]);
+        kn_spline_domain(b, d, &lo[1], &hi[1]);
+        if (lo[0] != lo[1] || hi[0] != hi[1])
+            return kn_fail(ctx, KN_EDOMAIN, "%s: variable %d: domains [%g, %g] and [%g, %g]", call, d, lo[0], hi[0],
+                           lo[1], hi[1]);
+    }
+    return KN_OK;
+}

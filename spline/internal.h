@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the operations on kn_spline share: storage, and maps along one variable.
+#ifndef SPLINE_INTERNAL_H
+#define SPLINE_INTERNAL_H
+
+#include <knurl/spline.h>
+
+#include "kernel/knots.h"
+
+// KN_OK when these numbers are a legal shape, else KN_EDOMAIN or KN_ELIMIT, recorded under the name of the call.
+kn_status kn_spline_shape(kn_ctx *ctx, const char *call, int nvars, int ncomp, bool rational, const int *degree,
+                          const int *count);
+// *out = a spline of this (legal) shape with its arrays allocated and not filled.
+kn_status kn_spline_alloc(kn_ctx *ctx, kn_spline *out, int nvars, int ncomp, bool rational, const int *degree,
+                          const int *count);
+// KN_OK when s is not empty and 0 <= var < nvars.
+kn_status kn_spline_expect(kn_ctx *ctx, const char *call, const kn_spline *s, int var);
+// The array of one component seen along var is (outer, count[var], inner).
+size_t kn_spline_inner(const kn_spline *s, int var);
+size_t kn_spline_outer(const kn_spline *s, int var); // components included
+
+// Room for a band in scratch.
+kn_status kn_spline_band(kn_ctx *ctx, kn_band *band, int rows, int width);
+// Applies band along var in place; knots (band->rows + degree + 1) replace those of var. s is unchanged on failure.
+kn_status kn_spline_map(kn_ctx *ctx, kn_spline *s, int var, int degree, const double *knots, const kn_band *band);
+// In place: the same function on the knots `to` of var, rows + degree + 1 of them (kn_band_refine).
+kn_status kn_spline_refine_axis(kn_ctx *ctx, kn_spline *s, int var, const double *to, int rows);
+// In place: every break of var gets multiplicity degree + 1. breaks contain the knots of var.
+kn_status kn_spline_split_at(kn_ctx *ctx, kn_spline *s, int var, const double *breaks, int nbreaks);
+// Between s and a piece of its degrees: the box of coefficients that starts at index first[d] in each variable.
+void kn_spline_get_piece(kn_bezier *piece, const kn_spline *s, const int *first);
+void kn_spline_put_piece(kn_spline *s, const kn_bezier *piece, const int *first);
+
+// A grid of Bezier pieces: per variable the breaks and how many knots the spline keeps at each.
+typedef struct kn_grid {
+    int nbreaks[KN_MAX_VARS];
+    double *breaks[KN_MAX_VARS];
+    int *times[KN_MAX_VARS];
+} kn_grid;
+// *out = a spline with every break of the grid at multiplicity degree + 1, coefficients not filled.
+kn_status kn_spline_alloc_split(kn_ctx *ctx, kn_spline *out, int nvars, int ncomp, bool rational, const int *degree,
+                                const kn_grid *grid);
+// In place, the way back from such a spline: knots as times[] says, degree + 1 of them at both ends.
+kn_status kn_spline_join(kn_ctx *ctx, kn_spline *s, const kn_grid *grid);
+
+// out = op(a, b) piece by piece on the union of their breaks (b may be NULL). op answers pieces of one shape, in the
+// parameters of [0,1]; it gets the size of the box. The knots are those of the minimal continuity of the operands,
+// less one in variable `rough` (-1: none).
+typedef kn_status (*kn_piece_op)(kn_ctx *ctx, kn_bezier *out, const kn_bezier *a, const kn_bezier *b,
+                                 const double *size, const void *user);
+kn_status kn_spline_by_pieces(kn_ctx *ctx, const char *call, kn_spline *out, const kn_spline *a, const kn_spline *b,
+                              kn_piece_op op, const void *user, int rough);
+// KN_OK when both are splines over the same variables and the same domain.
+kn_status kn_spline_expect_pair(kn_ctx *ctx, const char *call, const kn_spline *a, const kn_spline *b);
+
+#endif

@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: Apache-2.0
+// A spline's Bezier pieces, by knot insertion to full multiplicity.
+#include "spline/internal.h"
+#include "kernel/context.h"
+
+// Every interior knot of var to multiplicity degree; those of degree + 1 stay. Neighbours then have one array.
+static kn_status saturate(kn_ctx *ctx, kn_spline *s, int var)
+{
+    int p = s->degree[var], nbreaks = kn_knots_breaks(NULL, NULL, s->knots[var], p, s->count[var]);
+    kn_mark mark = kn_scratch_mark(ctx);
+    double *breaks = kn_scratch(ctx, (size_t)nbreaks, sizeof *breaks);
+    int *times = kn_scratch(ctx, (size_t)nbreaks, sizeof *times);
+    double *to = kn_scratch(ctx, (size_t)nbreaks * (size_t)(p + 1), sizeof *to);
+    kn_status status = breaks && times && to ? KN_OK : KN_ENOMEM;
+    if (status == KN_OK) {
+        kn_knots_breaks(breaks, times, s->knots[var], p, s->count[var]);
+        for (int i = 0; i < nbreaks; i++)
+            if (times[i] < p) times[i] = p;
+        status = kn_spline_refine_axis(ctx, s, var, to, kn_knots_repeat(to, breaks, times, nbreaks) - p - 1);
+    }
+    kn_scratch_release(ctx, mark);
+    return status;
+}
+
+static kn_status copy_pieces(kn_ctx *ctx, kn_bezier *pieces, size_t npieces, const kn_spline *s)
+{
+    int span[KN_MAX_VARS], first[KN_MAX_VARS];
+    for (int d = 0; d < s->nvars; d++) span[d] = s->degree[d];
+    for (size_t i = 0; i < npieces; i++) {
+        kn_status status = kn_bezier_init(ctx, &pieces[i], s->nvars, s->ncomp, s->rational, s->degree);
+        if (status != KN_OK) return status;
+        for (int d = 0; d < s->nvars; d++) first[d] = span[d] - s->degree[d];
+        kn_spline_get_piece(&pieces[i], s, first);
+        for (int d = s->nvars - 1; d >= 0; d--) {
+            span[d] = kn_knots_next_span(s->knots[d], s->degree[d], s->count[d], span[d]);
+            if (span[d] < s->count[d]) break;
+            span[d] = s->degree[d];
+        }
+    }
+    return KN_OK;
+}
+
+kn_status kn_spline_to_bezier(kn_ctx *ctx, kn_bezier **pieces, size_t *npieces, const kn_spline *a)
+{
+    kn_status status = kn_spline_expect(ctx, "spline_to_bezier", a, 0);
+    if (status != KN_OK) return status;
+    size_t n = 1;
+    for (int d = 0; d < a->nvars; d++) n *= (size_t)kn_spline_spans(a, d);
+
+    kn_spline s = {0};
+    kn_bezier *all = kn_alloc_zero(ctx, n, sizeof *all);
+    status = all ? kn_spline_copy(ctx, &s, a) : KN_ENOMEM;
+    for (int d = 0; d < a->nvars && status == KN_OK; d++) status = saturate(ctx, &s, d);
+    if (status == KN_OK) status = copy_pieces(ctx, all, n, &s);
+    if (status == KN_OK) {
+        *pieces = all, *npieces = n;
+    } else if (all) {
+        for (size_t i = 0; i < n; i++) kn_bezier_clear(ctx, &all[i]);
+        kn_free(ctx, all);
+    }
+    kn_spline_clear(ctx, &s);
+    return status;
+}
