@@ -2,8 +2,6 @@
 // The life of a kn_bezier.
 #include "bezier/shape.h"
 
-#include <string.h>
-
 kn_status kn_bezier_init(kn_ctx *ctx, kn_bezier *out, int nvars, int ncomp, bool rational, const int *degree)
 {
     kn_status status = kn_bezier_check(ctx, "init", nvars, ncomp, rational, degree);
@@ -32,11 +30,6 @@ void kn_bezier_swap(kn_bezier *a, kn_bezier *b)
 
 kn_status kn_bezier_copy(kn_ctx *ctx, kn_bezier *out, const kn_bezier *a)
 {
-    kn_bezier c = *a;
-    if (a->coef) {
-        kn_status status = kn_bezier_alloc(ctx, &c, "copy");
-        if (status != KN_OK) return status;
-        memcpy(c.coef, a->coef, (size_t)a->ncomp * kn_bezier_count(a) * sizeof *c.coef);
-    }
-    return kn_bezier_finish(ctx, out, &c, KN_OK);
+    kn_status status = a->coef ? kn_bezier_check_operand(ctx, "copy", a) : KN_OK;
+    return status == KN_OK ? kn_bezier_store(ctx, out, a) : status;
 }

@@ -3,6 +3,8 @@
 #include "bezier/shape.h"
 #include "kernel/bernstein.h"
 
+#include <string.h>
+
 size_t kn_bezier_count(const kn_bezier *b)
 {
     return kn_bernstein_count(b->nvars, b->degree);
@@ -60,6 +62,67 @@ kn_status kn_bezier_alloc(kn_ctx *ctx, kn_bezier *b, const char *what)
     if (status != KN_OK) return status;
     b->coef = kn_alloc(ctx, (size_t)b->ncomp * kn_bezier_count(b), sizeof *b->coef);
     return b->coef ? KN_OK : KN_ENOMEM;
+}
+
+// ---- where results live ----
+// All coefficients of all components; 0 for an empty piece.
+static size_t numbers(const kn_bezier *b)
+{
+    return b->coef ? (size_t)b->ncomp * kn_bezier_count(b) : 0;
+}
+
+kn_status kn_bezier_scratch(kn_ctx *ctx, kn_bezier *c, const char *what)
+{
+    kn_status status = kn_bezier_check(ctx, what, c->nvars, c->ncomp, c->rational, c->degree);
+    if (status != KN_OK) return status;
+    c->coef = kn_scratch(ctx, (size_t)c->ncomp * kn_bezier_count(c), sizeof *c->coef);
+    return c->coef ? KN_OK : KN_ENOMEM;
+}
+
+kn_status kn_bezier_store(kn_ctx *ctx, kn_bezier *out, const kn_bezier *c)
+{
+    if (kn_bezier_is(out, c)) { // the same array, or both are empty
+        *out = *c;
+        return KN_OK;
+    }
+    size_t n = numbers(c);
+    double *coef = NULL, *old = out->coef;
+    if (n > 0) {
+        bool fits = n == numbers(out);
+        coef = fits ? old : kn_alloc(ctx, n, sizeof *coef);
+        if (!coef) return KN_ENOMEM;
+        memcpy(coef, c->coef, n * sizeof *coef);
+    }
+    if (coef != old) kn_free(ctx, old);
+    *out = *c;
+    out->coef = coef;
+    return KN_OK;
+}
+
+kn_status kn_bezier_begin(kn_ctx *ctx, kn_bezier *c, const kn_bezier *out, bool is_operand, const char *what)
+{
+    kn_status status = kn_bezier_check(ctx, what, c->nvars, c->ncomp, c->rational, c->degree);
+    if (status != KN_OK) return status;
+    size_t n = (size_t)c->ncomp * kn_bezier_count(c);
+    if (n != numbers(out))
+        c->coef = kn_alloc(ctx, n, sizeof *c->coef);
+    else
+        c->coef = is_operand ? kn_scratch(ctx, n, sizeof *c->coef) : out->coef;
+    return c->coef ? KN_OK : KN_ENOMEM;
+}
+
+void kn_bezier_end(kn_ctx *ctx, kn_bezier *out, kn_bezier *c)
+{
+    double *coef = c->coef, *old = out->coef;
+    size_t n = numbers(c);
+    if (n == numbers(out)) { // out's own array, or scratch
+        if (coef != old) memcpy(old, coef, n * sizeof *old);
+        coef = old;
+    } else {
+        kn_free(ctx, old);
+    }
+    *out = *c;
+    out->coef = coef;
 }
 
 kn_status kn_bezier_finish(kn_ctx *ctx, kn_bezier *out, kn_bezier *result, kn_status status)

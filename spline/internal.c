@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // What the operations on kn_spline share: storage, and maps along one variable.
+#include <string.h>
+
 #include "spline/internal.h"
 
 #include "kernel/context.h"
@@ -41,6 +43,18 @@ kn_status kn_spline_alloc(kn_ctx *ctx, kn_spline *out, int nvars, int ncomp, boo
     }
     *out = s;
     return KN_OK;
+}
+
+kn_status kn_spline_in_scratch(kn_ctx *ctx, const char *call, kn_spline *s)
+{
+    kn_status status = kn_spline_shape(ctx, call, s->nvars, s->ncomp, s->rational, s->degree, s->count);
+    if (status != KN_OK) return status;
+    for (int d = 0; d < s->nvars; d++) {
+        s->knots[d] = kn_scratch(ctx, (size_t)s->count[d] + (size_t)s->degree[d] + 1, sizeof *s->knots[d]);
+        if (!s->knots[d]) return KN_ENOMEM;
+    }
+    s->coef = kn_scratch(ctx, kn_spline_count(s) * (size_t)s->ncomp, sizeof *s->coef);
+    return s->coef ? KN_OK : KN_ENOMEM;
 }
 
 kn_status kn_spline_expect(kn_ctx *ctx, const char *call, const kn_spline *s, int var)
@@ -93,6 +107,48 @@ kn_status kn_spline_map(kn_ctx *ctx, kn_spline *s, int var, int degree, const do
     s->degree[var] = degree, s->count[var] = band->rows;
     s->knots[var] = k, s->coef = c;
     return KN_OK;
+}
+
+kn_status kn_spline_map_in_scratch(kn_ctx *ctx, kn_spline *s, int var, int degree, const double *knots,
+                                   const kn_band *band)
+{
+    kn_spline to = *s;
+    to.degree[var] = degree, to.count[var] = band->rows;
+    kn_status status = kn_spline_shape(ctx, "spline", to.nvars, to.ncomp, to.rational, to.degree, to.count);
+    if (status != KN_OK) return status;
+    size_t nknots = (size_t)band->rows + (size_t)degree + 1;
+    to.knots[var] = kn_scratch(ctx, nknots, sizeof *to.knots[var]);
+    to.coef = kn_scratch(ctx, kn_spline_count(&to) * (size_t)to.ncomp, sizeof *to.coef);
+    if (!to.knots[var] || !to.coef) return KN_ENOMEM;
+    memcpy(to.knots[var], knots, nknots * sizeof *knots);
+    kn_band_apply(to.coef, band, s->coef, kn_spline_outer(s, var), s->count[var], kn_spline_inner(s, var));
+    *s = to;
+    return KN_OK;
+}
+
+// The result's arrays are taken before the band, which is given back.
+kn_status kn_spline_refine_in_scratch(kn_ctx *ctx, kn_spline *s, int var, const double *to, int rows)
+{
+    kn_spline t = *s;
+    t.count[var] = rows;
+    kn_status status = kn_spline_shape(ctx, "spline", t.nvars, t.ncomp, t.rational, t.degree, t.count);
+    if (status != KN_OK) return status;
+    size_t nknots = (size_t)rows + (size_t)t.degree[var] + 1;
+    t.knots[var] = kn_scratch(ctx, nknots, sizeof *t.knots[var]);
+    t.coef = kn_scratch(ctx, kn_spline_count(&t) * (size_t)t.ncomp, sizeof *t.coef);
+    if (!t.knots[var] || !t.coef) return KN_ENOMEM;
+    memcpy(t.knots[var], to, nknots * sizeof *to);
+
+    kn_mark mark = kn_scratch_mark(ctx);
+    kn_band band;
+    status = kn_spline_band(ctx, &band, rows, s->degree[var] + 1);
+    if (status == KN_OK) {
+        kn_band_refine(&band, s->knots[var], s->degree[var], s->count[var], to);
+        kn_band_apply(t.coef, &band, s->coef, kn_spline_outer(s, var), s->count[var], kn_spline_inner(s, var));
+        *s = t;
+    }
+    kn_scratch_release(ctx, mark);
+    return status;
 }
 
 kn_status kn_spline_refine_axis(kn_ctx *ctx, kn_spline *s, int var, const double *to, int rows)

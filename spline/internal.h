@@ -19,9 +19,30 @@ kn_status kn_spline_expect(kn_ctx *ctx, const char *call, const kn_spline *s, in
 size_t kn_spline_inner(const kn_spline *s, int var);
 size_t kn_spline_outer(const kn_spline *s, int var); // components included
 
+// ---- where results live: how an operation allocates nothing in the steady state ----
+// Temporary splines have their arrays in scratch, or borrow an operand's, which nothing writes to; the result is
+// copied last, and out's arrays are used again where their lengths fit. Nothing is cleared; out is untouched by a
+// failure:
+//     kn_mark mark = kn_scratch_mark(ctx);
+//     kn_spline s = *a;                                                  // borrowed
+//     kn_status status = kn_spline_refine_in_scratch(ctx, &s, var, ..);  // any of the three below; s's arrays change
+//     if (status == KN_OK) status = kn_spline_store(ctx, out, &s);       // last: out may be an operand
+//     kn_scratch_release(ctx, mark);
+
+// out = s, wherever its arrays live, out's own among them; an empty s makes out empty.
+kn_status kn_spline_store(kn_ctx *ctx, kn_spline *out, const kn_spline *s);
+// s->knots and s->coef = scratch, not filled, for the shape that s has, after kn_spline_shape.
+kn_status kn_spline_in_scratch(kn_ctx *ctx, const char *call, kn_spline *s);
+// As kn_spline_map and kn_spline_refine_axis below, with the new arrays in scratch. band and knots (`to`) may lie in
+// scratch too.
+kn_status kn_spline_map_in_scratch(kn_ctx *ctx, kn_spline *s, int var, int degree, const double *knots,
+                                   const kn_band *band);
+kn_status kn_spline_refine_in_scratch(kn_ctx *ctx, kn_spline *s, int var, const double *to, int rows);
+
 // Room for a band in scratch.
 kn_status kn_spline_band(kn_ctx *ctx, kn_band *band, int rows, int width);
-// Applies band along var in place; knots (band->rows + degree + 1) replace those of var. s is unchanged on failure.
+// Applies band along var in place; knots (band->rows + degree + 1) replace those of var. s, whose arrays are
+// allocated, is unchanged on failure.
 kn_status kn_spline_map(kn_ctx *ctx, kn_spline *s, int var, int degree, const double *knots, const kn_band *band);
 // In place: the same function on the knots `to` of var, rows + degree + 1 of them (kn_band_refine).
 kn_status kn_spline_refine_axis(kn_ctx *ctx, kn_spline *s, int var, const double *to, int rows);
