@@ -1,121 +1,93 @@
 // SPDX-License-Identifier: Apache-2.0
-// kn_bezier_compose: outer(inner) by symbolic expansion.
-#include <knurl/compose.h>
+// kn_bezier_compose: outer(inner).
+#include "bezier/shape.h"
+#include "compose/nest.h"
+#include "kernel/bernstein.h"
 
-#include "compose/basis.h"
+#include <knurl/compose.h>
 
 #include <string.h>
 
-// outer(x) = sum_i coef_i prod_d B_(i_d)(x_d). One variable after the other, the last one first:
-//     f_d(i_0 .. i_(d-1)) = sum over i_d of B_(i_d)(x_d) f_(d+1)(i_0 .. i_d),    f_N(i) = coef_i,
-// so that the number of polynomial products is the number of control points of the leading variables only. With
-// rational inner functions x = X/W each B is replaced by W^p B(X/W) = C(p,i) X^i (W - X)^(p-i), a polynomial again,
-// and the common factor W^(sum of p) stays beside as the weight (or cancels, when outer is rational).
-typedef struct expansion {
-    const kn_bezier *outer;
-    kn_bezier *basis[KN_MAX_VARS]; // basis[d][i], i <= outer->degree[d]
-    int inner_vars;
-} expansion;
-
-// f_(N-1): a linear combination of the last variable's polynomials, `at` the place of the first coefficient.
-static kn_status combine(kn_ctx *ctx, kn_bezier *out, const expansion *e, size_t at)
+static kn_status check(kn_ctx *ctx, const kn_bezier *outer, const kn_bezier *inner)
 {
-    int last = e->outer->nvars - 1;
-    const kn_bezier *b = e->basis[last];
-    size_t count = kn_bezier_count(b), stride = kn_bezier_count(e->outer);
-    kn_bezier f = {0};
-    kn_status status = kn_bezier_init(ctx, &f, e->inner_vars, e->outer->ncomp, false, b->degree);
-    for (int c = 0; status == KN_OK && c < f.ncomp; c++)
-        for (int i = 0; i <= e->outer->degree[last]; i++) {
-            double factor = e->outer->coef[(size_t)c * stride + at + (size_t)i];
-            for (size_t k = 0; k < count; k++) f.coef[(size_t)c * count + k] += factor * b[i].coef[k];
-        }
-    if (status == KN_OK) kn_bezier_swap(out, &f);
-    kn_bezier_clear(ctx, &f);
-    return status;
-}
-
-// f_d; `at` the place of coefficient (i_0 .. i_(d-1), 0 .. 0). The recursion is nvars deep.
-static kn_status expand(kn_ctx *ctx, kn_bezier *out, const expansion *e, int d, size_t at)
-{
-    if (d == e->outer->nvars - 1) return combine(ctx, out, e, at);
-    size_t step = 1;
-    for (int k = d + 1; k < e->outer->nvars; k++) step *= (size_t)e->outer->degree[k] + 1;
-    kn_bezier sum = {0}, term = {0};
-    kn_status status = KN_OK;
-    for (int i = 0; status == KN_OK && i <= e->outer->degree[d]; i++) {
-        status = expand(ctx, &term, e, d + 1, at + (size_t)i * step);
-        if (status == KN_OK) status = kn_bezier_product(ctx, &term, &e->basis[d][i], &term);
-        if (status == KN_OK && i > 0) status = kn_bezier_sum(ctx, &sum, &sum, &term);
-        if (status == KN_OK && i == 0) kn_bezier_swap(&sum, &term);
-    }
-    if (status == KN_OK) kn_bezier_swap(out, &sum);
-    kn_bezier_clear(ctx, &sum);
-    kn_bezier_clear(ctx, &term);
-    return status;
-}
-
-// out = f with the weight of the composition appended: w^p.
-static kn_status append_weight(kn_ctx *ctx, kn_bezier *f, const kn_bezier *w, int p)
-{
-    kn_bezier *power = kn_compose_list(ctx, p + 1), all = {0};
-    if (!power) return KN_ENOMEM;
-    kn_status status = kn_compose_powers(ctx, power, p, w);
-    if (status == KN_OK) status = kn_bezier_init(ctx, &all, f->nvars, f->ncomp + 1, true, f->degree);
-    if (status == KN_OK) {
-        size_t count = kn_bezier_count(f);
-        memcpy(all.coef, f->coef, (size_t)f->ncomp * count * sizeof *f->coef);
-        memcpy(all.coef + (size_t)f->ncomp * count, power[p].coef, count * sizeof *f->coef);
-        kn_bezier_swap(f, &all);
-    }
-    kn_bezier_clear(ctx, &all);
-    kn_compose_list_clear(ctx, power, p + 1);
-    return status;
-}
-
-static kn_status make_bases(kn_ctx *ctx, expansion *e, const kn_bezier *inner, const kn_bezier *w)
-{
-    kn_status status = KN_OK;
-    for (int d = 0; status == KN_OK && d < e->outer->nvars; d++) {
-        kn_bezier x = {0};
-        int p = e->outer->degree[d];
-        if (!(e->basis[d] = kn_compose_list(ctx, p + 1))) return KN_ENOMEM;
-        status = kn_bezier_components(ctx, &x, inner, d, 1);
-        if (status == KN_OK) status = kn_compose_basis(ctx, e->basis[d], p, &x, inner->rational ? w : NULL);
-        kn_bezier_clear(ctx, &x);
-    }
-    return status;
-}
-
-static kn_status check(kn_ctx *ctx, int *sum, const kn_bezier *outer, const kn_bezier *inner)
-{
-    if (outer->nvars < 1 || !outer->coef || !inner->coef || kn_bezier_dim(inner) != outer->nvars)
+    kn_status status = kn_bezier_check_operand(ctx, "compose", outer);
+    if (status == KN_OK) status = kn_bezier_check_operand(ctx, "compose", inner);
+    if (status != KN_OK) return status;
+    if (outer->nvars < 1 || kn_bezier_dim(inner) != outer->nvars)
         return kn_fail(ctx, KN_EDOMAIN, "compose: %d outer variables, %d inner components", outer->nvars,
-                       inner->coef ? kn_bezier_dim(inner) : 0);
-    for (int d = 0; d < outer->nvars; d++) *sum += outer->degree[d];
-    for (int d = 0; d < inner->nvars; d++)
-        if (*sum * inner->degree[d] > KN_MAX_DEGREE)
-            return kn_fail(ctx, KN_ELIMIT, "compose: degree %d in variable %d", *sum * inner->degree[d], d);
+                       kn_bezier_dim(inner));
     return KN_OK;
+}
+
+// The result's shape, without coefficients.
+static kn_status shape_of(kn_ctx *ctx, kn_bezier *result, int sum, const kn_bezier *outer, const kn_bezier *inner)
+{
+    bool rational = outer->rational || inner->rational;
+    *result = (kn_bezier){.nvars = inner->nvars, .ncomp = kn_bezier_dim(outer) + rational, .rational = rational};
+    for (int d = 0; d < inner->nvars; d++) result->degree[d] = sum * inner->degree[d];
+    return kn_bezier_check(ctx, "compose", result->nvars, result->ncomp, rational, result->degree);
+}
+
+// The scaled result: with rational inner functions x = X/W each B(x) is replaced by W^p B(X/W), a polynomial again,
+// and the common factor W^(sum of p) is the weight, or cancels when outer is rational.
+static kn_status scaled(kn_ctx *ctx, double *value, const kn_nest *nest, int sum, const kn_bezier *outer,
+                        const kn_bezier *inner, const double *lo, const double *hi)
+{
+    size_t n = nest->count[1];
+    double *factor = kn_scratch(ctx, 2 * (size_t)nest->outer * n, sizeof *factor);
+    kn_status status = factor ? kn_nest_factors(ctx, factor, nest, inner, lo, hi) : KN_ENOMEM;
+    if (status == KN_OK) status = kn_nest_run(ctx, value, nest, outer, factor);
+    if (status == KN_OK && inner->rational && !outer->rational)
+        status = kn_nest_power(ctx, value + (size_t)outer->ncomp * nest->count[sum], nest,
+                               inner->coef + (size_t)(inner->ncomp - 1) * n, sum);
+    return status;
+}
+
+// out = value / weight, component by component; out keeps its coefficients when they are as many.
+static kn_status deliver(kn_ctx *ctx, kn_bezier *out, kn_bezier *result, const double *value)
+{
+    size_t n = kn_bezier_count(result), all = n * (size_t)result->ncomp;
+    double *weight = kn_scratch(ctx, n, sizeof *weight);
+    bool keep = out->coef && kn_bezier_count(out) * (size_t)out->ncomp == all;
+    if (!weight) return KN_ENOMEM;
+    result->coef = keep ? out->coef : kn_alloc(ctx, all, sizeof *result->coef);
+    if (!result->coef) return KN_ENOMEM;
+    kn_bernstein_weights(weight, result->nvars, result->degree);
+    for (size_t c = 0; c < (size_t)result->ncomp; c++)
+        for (size_t i = 0; i < n; i++) result->coef[c * n + i] = value[c * n + i] / weight[i];
+    if (!keep) kn_free(ctx, out->coef);
+    *out = *result;
+    return KN_OK;
+}
+
+static kn_status compute(kn_ctx *ctx, kn_bezier *out, int sum, const kn_bezier *outer, const kn_bezier *inner,
+                         const double *lo, const double *hi)
+{
+    kn_bezier result;
+    kn_status status = shape_of(ctx, &result, sum, outer, inner);
+    if (status != KN_OK) return status;
+    kn_nest *nest = kn_scratch(ctx, 1, sizeof *nest);
+    double *value = kn_scratch(ctx, kn_bezier_count(&result) * (size_t)result.ncomp, sizeof *value);
+    if (!nest || !value) return KN_ENOMEM;
+    kn_nest_plan(nest, outer, inner);
+    status = scaled(ctx, value, nest, sum, outer, inner, lo, hi);
+    return status == KN_OK ? deliver(ctx, out, &result, value) : status;
+}
+
+kn_status kn_compose_over(kn_ctx *ctx, kn_bezier *out, const kn_bezier *outer, const kn_bezier *inner,
+                          const double *lo, const double *hi)
+{
+    int sum = 0;
+    kn_status status = check(ctx, outer, inner);
+    if (status != KN_OK) return status;
+    for (int d = 0; d < outer->nvars; d++) sum += outer->degree[d];
+    kn_mark mark = kn_scratch_mark(ctx);
+    status = compute(ctx, out, sum, outer, inner, lo, hi);
+    kn_scratch_release(ctx, mark);
+    return status;
 }
 
 kn_status kn_bezier_compose(kn_ctx *ctx, kn_bezier *out, const kn_bezier *outer, const kn_bezier *inner)
 {
-    int sum = 0;
-    kn_status status = check(ctx, &sum, outer, inner);
-    if (status != KN_OK) return status;
-    expansion e = {.outer = outer, .inner_vars = inner->nvars};
-    kn_bezier w = {0}, result = {0};
-    if (inner->rational) status = kn_bezier_components(ctx, &w, inner, inner->ncomp - 1, 1);
-    if (status == KN_OK) status = make_bases(ctx, &e, inner, &w);
-    if (status == KN_OK) status = expand(ctx, &result, &e, 0, 0);
-    if (status == KN_OK && inner->rational && !outer->rational) status = append_weight(ctx, &result, &w, sum);
-    if (status == KN_OK) {
-        result.rational = outer->rational || inner->rational;
-        kn_bezier_swap(out, &result);
-    }
-    for (int d = 0; d < outer->nvars; d++) kn_compose_list_clear(ctx, e.basis[d], outer->degree[d] + 1);
-    kn_bezier_clear(ctx, &w);
-    kn_bezier_clear(ctx, &result);
-    return status;
+    return kn_compose_over(ctx, out, outer, inner, NULL, NULL);
 }
