@@ -29,22 +29,28 @@ void kn_knots_blossom(double *w, const double *knots, int degree, int s, const d
 // polynomials of span s.
 void kn_knots_basis(double *values, const double *knots, int degree, int s, double t, int order);
 
-// A banded map along one axis: out[i] = sum_k w[i * width + k] in[first[i] + k].
+// A banded map along one axis: out[i] = sum_k w[i * width + k] in[first[i] + k]. terms[i], when there is such an array,
+// is how many of row i's weights count (else all width of them). divisor, when it is not 0, divides the sums of more
+// than one (non-zero) term: weights that are integers over a common denominator stay exact.
 typedef struct kn_band {
     int rows, width;
-    int *first;
-    double *w;
+    int *first, *terms;
+    double *w, divisor;
 } kn_band;
 
-// out (outer, rows, inner) = the map applied to in (outer, n, inner). Zero weights are skipped, so that a row with
-// one weight 1 copies bit for bit.
+// out (outer, rows, inner) = the map applied to in (outer, n, inner). Zero weights are skipped where there is no
+// terms[]; a row with one weight 1 copies bit for bit.
 void kn_band_apply(double *out, const kn_band *band, const double *in, size_t outer, int n, size_t inner);
+void kn_band_apply_plain(double *out, const kn_band *band, const double *in, size_t outer, int n, size_t inner);
 // The map to knots `to` (rows + degree + 1 of them, clamped) of width degree + 1. `to` is a refinement of knots, or
-// of a part of them; where it reaches beyond their domain the end pieces are extended. Inside, all weights are >= 0.
+// of a part of them; where it reaches beyond their domain the end pieces are extended. Inside, all weights are >= 0,
+// and with terms[] those that count are > 0. Where no new knot is concerned a row is one weight 1.
 void kn_band_refine(kn_band *band, const double *knots, int degree, int count, const double *to);
+void kn_band_refine_plain(kn_band *band, const double *knots, int degree, int count, const double *to);
 // The map to degree + 1 on the same breaks, each knot once more often: `to` has rows + degree + 2 knots. All weights
-// are >= 0. Width degree + 1.
+// are >= 0. Width degree + 1; band->divisor becomes degree + 1.
 void kn_band_elevate(kn_band *band, const double *knots, int degree, int count, const double *to);
+void kn_band_elevate_plain(kn_band *band, const double *knots, int degree, int count, const double *to);
 // The map from Bezier pieces (degree + 1 coefficients each, one after the other) on breaks to the B-spline
 // coefficients on knots `to`, whose multiplicities allow no more than the pieces' continuity. Of the pieces that
 // determine a coefficient the one with the smallest sum of |weights| is used, the lowest of equals. Width degree + 1.

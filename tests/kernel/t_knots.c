@@ -129,13 +129,156 @@ static void bands(void **state)
             kn_band_elevate(&band, knots, P, N, higher);
         for (int i = 0; i < 10; i++) {
             double sum = 0;
+            int used = 0;
             for (int k = 0; k < band.width; k++) {
                 assert_true(w[i * band.width + k] >= 0);
                 sum += w[i * band.width + k];
+                used += w[i * band.width + k] > 0;
             }
+            if (kind == 1 && used > 1) sum /= band.divisor;
             assert_true(fabs(sum - 1) <= 30 * 0x1p-53); // p + 1 terms >= 0 of at most 6 p + 2 roundings
         }
     }
+}
+
+enum { MOST = 64 };
+
+// Knots of degree p over [0, n], clamped, each interior one 0 .. p + 1 times; now and then tiny and huge spans.
+static int random_knots(double *k, test_rng *rng, int p, int n)
+{
+    int count = 0;
+    double at = 0;
+    for (int b = 0; b <= n; b++) {
+        int times = b == 0 || b == n ? p + 1 : test_int(rng, 0, p + 1);
+        for (int i = 0; i < times && count < MOST - p - 1; i++) k[count++] = at;
+        at += test_int(rng, 0, 5) == 0 ? 1e-9 : test_int(rng, 0, 5) == 0 ? 1e6 : test_int(rng, 1, 3);
+    }
+    while (count < 2 * (p + 1) || k[count - 1] != k[count - 1 - p]) k[count++] = at;
+    return count - p - 1;
+}
+
+// The fast map against the plain one. Both compute sums of positive terms with at most 5 roundings a level and their
+// additions, so that each weight is within gamma(5 p) of the true one; sums of p + 1 blossoms add p roundings.
+static void assert_close_bands(const kn_band *a, const kn_band *b, int p)
+{
+    for (int i = 0; i < a->rows; i++)
+        for (int k = 0; k < b->width; k++) {
+            int at = b->first[i] + k - a->first[i], terms = a->terms ? a->terms[i] : a->width;
+            double x = at >= 0 && at < terms ? a->w[i * a->width + at] : 0, y = b->w[i * b->width + k];
+            if (!(fabs(x - y) <= (12 * p + 2) * 0x1p-53 * y))
+                fail_msg("degree %d, row %d, weight %d: %.17g, plainly %.17g", p, i, k, x, y);
+        }
+}
+
+static void fast_refinement_is_the_plain_one(void **state)
+{
+    (void)state;
+    test_rng rng = test_random(7);
+    static double w[3][MOST * 12];
+    int first[3][MOST], terms[MOST];
+    for (int round = test_scale(400); round > 0; round--) {
+        double old[2 * MOST], to[2 * MOST], extra[MOST];
+        int p = test_int(&rng, 0, 9), n = random_knots(old, &rng, p, test_int(&rng, 1, 5)), m = 0, last = n + p;
+        for (int i = 0; i < last; i++) { // a break as often as it may be, or a new knot
+            int free = p + 1;
+            for (int k = 0; k <= last; k++) free -= old[k] == old[i];
+            bool inside = old[i] > old[0] && old[i] < old[last];
+            if (inside && old[i] != old[i - 1])
+                for (int k = test_int(&rng, 0, free); k > 0 && m < 20; k--) extra[m++] = old[i];
+            double middle = old[i] + 0.5 * (old[i + 1] - old[i]);
+            if (middle > old[i] && middle < old[i + 1])
+                for (int k = test_int(&rng, -2, p + 1); k > 0 && m < 20; k--) extra[m++] = middle;
+        }
+        int at = 0;
+        for (int i = 0, j = 0; i <= last || j < m;)
+            to[at++] = j >= m || (i <= last && old[i] <= extra[j]) ? old[i++] : extra[j++];
+        if (n + m > MOST) continue;
+        kn_band fast = {.rows = n + m, .first = first[0], .terms = terms, .w = w[0]};
+        kn_band padded = {.rows = n + m, .first = first[1], .w = w[1]},
+                plain = {.rows = n + m, .first = first[2], .w = w[2]};
+        kn_band_refine(&fast, old, p, n, to);
+        kn_band_refine(&padded, old, p, n, to);
+        kn_band_refine_plain(&plain, old, p, n, to);
+        assert_close_bands(&fast, &plain, p);
+        assert_close_bands(&padded, &plain, p);
+        for (int i = 0; i < n + m; i++)
+            for (int k = 0; k < terms[i]; k++) assert_true(fast.w[i * fast.width + k] > 0);
+    }
+}
+
+// A part of the knots: from one place inside to another, breaks or not.
+static void refinement_of_a_part(void **state)
+{
+    (void)state;
+    test_rng rng = test_random(8);
+    static double w[2][MOST * 12];
+    int first[2][MOST], terms[MOST];
+    for (int round = test_scale(400); round > 0; round--) {
+        double old[2 * MOST], to[2 * MOST];
+        int p = test_int(&rng, 0, 9), n = random_knots(old, &rng, p, test_int(&rng, 1, 5)), last = n + p, at = 0;
+        double lo = old[test_int(&rng, 0, n - 1)], hi = old[test_int(&rng, p + 1, last)];
+        if (test_int(&rng, 0, 1)) lo = lo + 0.25 * (old[last] - lo);
+        if (test_int(&rng, 0, 1)) hi = hi + 0.25 * (old[last] - hi);
+        if (!(lo < hi)) continue;
+        for (int k = 0; k <= p; k++) to[at++] = lo;
+        for (int i = 0; i <= last; i++)
+            if (old[i] > lo && old[i] < hi) to[at++] = old[i];
+        for (int k = 0; k <= p; k++) to[at++] = hi;
+        kn_band fast = {.rows = at - p - 1, .first = first[0], .terms = terms, .w = w[0]};
+        kn_band plain = {.rows = at - p - 1, .first = first[1], .w = w[1]};
+        kn_band_refine(&fast, old, p, n, to);
+        kn_band_refine_plain(&plain, old, p, n, to);
+        assert_close_bands(&fast, &plain, p);
+    }
+}
+
+static void fast_elevation_is_the_plain_one(void **state)
+{
+    (void)state;
+    test_rng rng = test_random(9);
+    static double w[3][2 * MOST * 12];
+    int first[3][2 * MOST], terms[2 * MOST];
+    for (int round = test_scale(400); round > 0; round--) {
+        double old[2 * MOST], to[4 * MOST];
+        int p = test_int(&rng, 0, 9), n = random_knots(old, &rng, p, test_int(&rng, 1, 5)), last = n + p, at = 0;
+        for (int i = 0; i <= last; i++) {
+            to[at++] = old[i];
+            if (i == last || old[i] < old[i + 1]) to[at++] = old[i];
+        }
+        kn_band fast = {.rows = at - p - 2, .first = first[0], .terms = terms, .w = w[0]};
+        kn_band padded = {.rows = at - p - 2, .first = first[1], .w = w[1]};
+        kn_band plain = {.rows = at - p - 2, .first = first[2], .w = w[2]};
+        kn_band_elevate(&fast, old, p, n, to);
+        kn_band_elevate(&padded, old, p, n, to);
+        kn_band_elevate_plain(&plain, old, p, n, to);
+        assert_true(fast.divisor == p + 1 && plain.divisor == p + 1);
+        assert_close_bands(&fast, &plain, p);
+        assert_close_bands(&padded, &plain, p);
+    }
+}
+
+// One band with 1 .. 9 terms, in all shapes: the fast application gives the bits of the plain one.
+static void fast_application_is_the_plain_one(void **state)
+{
+    (void)state;
+    test_rng rng = test_random(10);
+    double w[9 * 9], in[2 * 12 * 5], out[2][2 * 9 * 5];
+    int first[9], terms[9];
+    for (int inner = 1; inner <= 5; inner++)
+        for (int divide = 0; divide < 2; divide++) {
+            for (int i = 0; i < 9; i++) {
+                first[i] = test_int(&rng, 0, 3), terms[i] = 1 + i;
+                for (int k = 0; k <= i; k++) w[i * 9 + k] = test_uniform(&rng, 0.1, 1);
+            }
+            w[0] = 1;
+            for (int i = 0; i < 2 * 12 * inner; i++) in[i] = test_uniform(&rng, -1, 1);
+            in[first[0]] = -0.0;
+            kn_band band = {.rows = 9, .width = 9, .first = first, .terms = terms, .w = w, .divisor = divide ? 7 : 0};
+            kn_band_apply(out[0], &band, in, 2, 12, (size_t)inner);
+            kn_band_apply_plain(out[1], &band, in, 2, 12, (size_t)inner);
+            assert_memory_equal(out[0], out[1], 2 * 9 * (size_t)inner * sizeof(double));
+            assert_memory_equal(out[0], in + first[0] * inner, (size_t)inner * sizeof(double)); // a copy
+        }
 }
 
 // Joining copies what lies in one piece, and takes the lower of equals.
@@ -162,9 +305,18 @@ static void joins(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(spans),  cmocka_unit_test(breaks),      cmocka_unit_test(unions),
-        cmocka_unit_test(faults), cmocka_unit_test(polar_forms), cmocka_unit_test(basis_functions),
-        cmocka_unit_test(bands),  cmocka_unit_test(joins),
+        cmocka_unit_test(spans),
+        cmocka_unit_test(breaks),
+        cmocka_unit_test(unions),
+        cmocka_unit_test(faults),
+        cmocka_unit_test(polar_forms),
+        cmocka_unit_test(basis_functions),
+        cmocka_unit_test(bands),
+        cmocka_unit_test(joins),
+        cmocka_unit_test(fast_refinement_is_the_plain_one),
+        cmocka_unit_test(refinement_of_a_part),
+        cmocka_unit_test(fast_elevation_is_the_plain_one),
+        cmocka_unit_test(fast_application_is_the_plain_one),
     };
     return cmocka_run_group_tests_name("kernel/knots", tests, NULL, NULL);
 }
