@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The spline that interpolates the unit normal of S on the sites of a grid.
+#include "kernel/banded.h"
 #include "kernel/bernstein.h"
 #include "kernel/context.h"
 #include "trivar/internal.h"

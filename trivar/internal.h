@@ -63,18 +63,6 @@ kn_status kn_certify(kn_ctx *ctx, kn_normal_certificate *out, const kn_bezier *m
 // The largest errors of both kinds at 16 points inside: a lower bound of what kn_certify finds.
 void kn_sample_errors(double *length, double *angle, const kn_bezier *m, const kn_bezier *direction);
 
-// ---- fit_axis.c ----
-// Collocation along one axis: row i has the values of the B-splines at site[i], all within degree of the diagonal.
-typedef struct kn_collocation {
-    int count, degree;
-    double *band; // count rows of 2 degree + 1: the L U factors, L with unit diagonal
-} kn_collocation;
-size_t kn_collocation_room(int count, int degree); // doubles for `band`
-// site_span[i]: the knot span whose polynomials serve site i.
-void kn_collocation_factor(kn_collocation *c, const double *knots, const double *site, const int *site_span);
-// in place, data (outer, count, inner): values at the sites become coefficients.
-void kn_collocation_solve(const kn_collocation *c, double *data, size_t outer, size_t inner);
-
 // ---- grid.c ----
 // One variable of the fitted normal: the lines, how often n is differentiable across each, and what follows from a
 // degree: knots, sites and the span of n and of S that serve each site.

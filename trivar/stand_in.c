@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // One polynomial in place of the unit normal over a box: interpolation at Chebyshev-Lobatto sites, whose ends are the
 // box's edges, so that an edge of the stand-in depends on that edge and its degree alone.
+#include "kernel/banded.h"
 #include "kernel/bernstein.h"
 #include "kernel/context.h"
 #include "trivar/internal.h"
