@@ -103,7 +103,7 @@ static void continuity_to_times(kn_grid *grid, const kn_spline *out, int rough)
 {
     for (int d = 0; d < out->nvars; d++)
         for (int i = 1; i < grid->nbreaks[d] - 1; i++) {
-            int q = out->degree[d], c = grid->times[d][i] - (d == rough);
+            int q = out->degree[d], c = grid->times[d][i] - (d == rough || rough == KN_EVERY_VAR);
             grid->times[d][i] = c < -1 ? q + 1 : q - c;
         }
 }

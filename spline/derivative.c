@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The partial derivative of a spline as a spline.
-#include "spline/internal.h"
+#include "spline/calculus.h"
 #include "kernel/context.h"
 
 static kn_status rational_piece(kn_ctx *ctx, kn_bezier *out, const kn_bezier *a, const kn_bezier *b,
@@ -31,18 +31,16 @@ static int difference_rows(kn_band *band, double *to, const double *knots, int d
     return rows;
 }
 
-static kn_status differentiate(kn_ctx *ctx, kn_spline *s, int var)
+kn_status kn_spline_differentiate_in_scratch(kn_ctx *ctx, kn_spline *s, int var)
 {
     int p = s->degree[var], count = s->count[var];
-    kn_mark mark = kn_scratch_mark(ctx);
     kn_band band;
     double *to = kn_scratch(ctx, (size_t)count + (size_t)p, sizeof *to);
     kn_status status = to ? kn_spline_band(ctx, &band, count, 2) : KN_ENOMEM;
     if (status == KN_OK) {
         band.rows = difference_rows(&band, to, s->knots[var], p, count);
-        status = kn_spline_map(ctx, s, var, p - 1, to, &band);
+        status = kn_spline_map_in_scratch(ctx, s, var, p - 1, to, &band);
     }
-    kn_scratch_release(ctx, mark);
     return status;
 }
 
@@ -52,15 +50,17 @@ kn_status kn_spline_derivative(kn_ctx *ctx, kn_spline *out, const kn_spline *a, 
     if (status != KN_OK) return status;
     if (a->rational) return kn_spline_by_pieces(ctx, "spline_derivative", out, a, NULL, rational_piece, &var, var);
 
-    kn_spline s = {0};
-    status = kn_spline_copy(ctx, &s, a);
-    if (status == KN_OK && a->degree[var] > 0) {
-        status = differentiate(ctx, &s, var);
-    } else if (status == KN_OK) { // constant on each span
-        size_t n = kn_spline_count(&s) * (size_t)s.ncomp;
-        for (size_t i = 0; i < n; i++) s.coef[i] = 0.0;
+    kn_mark mark = kn_scratch_mark(ctx);
+    kn_spline s = *a;
+    if (a->degree[var] > 0) {
+        status = kn_spline_differentiate_in_scratch(ctx, &s, var);
+    } else { // constant on each span
+        size_t n = kn_spline_count(a) * (size_t)a->ncomp;
+        s.coef = kn_scratch(ctx, n, sizeof *s.coef);
+        if (!s.coef) status = KN_ENOMEM;
+        for (size_t i = 0; i < n && s.coef; i++) s.coef[i] = 0.0;
     }
-    if (status == KN_OK) kn_spline_swap(out, &s);
-    kn_spline_clear(ctx, &s);
+    if (status == KN_OK) status = kn_spline_store(ctx, out, &s);
+    kn_scratch_release(ctx, mark);
     return status;
 }

@@ -119,21 +119,40 @@ KN_API KN_CHECKED kn_status kn_bezier_cross(kn_ctx *ctx, kn_bezier *out, const k
 // out:    polynomial: one degree less in var (0 stays 0). rational (N/w)' = (N' w - w' N) / w^2: degrees double;
 //         with degree 0 in var they stay, and the value is 0/w.
 // fails:  KN_EDOMAIN var; KN_ELIMIT doubled degrees.
-// error:  polynomial: gamma(2)|c_k|. rational: gamma(T + 3 nvars + 6)(|N'| * |w| + |w'| * |N|)_k.
+// error:  polynomial: gamma(2)|c_k|. rational: gamma(T + 3 nvars + 3)(|N'| * |w| + |w'| * |N|)_k, N' and w' raised to
+//         a's degrees, |N'| with sums for differences; T = 2 prod_d (degree[d] + 1) at most.
 KN_API KN_CHECKED kn_status kn_bezier_derivative(kn_ctx *ctx, kn_bezier *out, const kn_bezier *a, int var);
 // out = det(a, b, c) = a . (b x c), of dimension 1; all three of dimension 3 (else KN_EDOMAIN).
 KN_API KN_CHECKED kn_status kn_bezier_determinant(kn_ctx *ctx, kn_bezier *out, const kn_bezier *a, const kn_bezier *b,
                                                   const kn_bezier *c);
 // out_r = sum_c matrix[r * dim(a) + c] a_c + offset[r] for r < dim; offset NULL: zeros. The weight stays.
+// out:    dimension dim. An entry that is 0 takes no part, whatever it meets, and 1 alone in a row copies bit for bit.
+// fails:  KN_EDOMAIN dim < 1; KN_ELIMIT more than KN_MAX_COMPS components.
+// error:  gamma(dim(a) + 1)(sum_c |matrix_rc| |a_c| + |offset_r| |w|)_k.
+// cost:   count * dim * dim(a) multiply-adds at most.
 KN_API KN_CHECKED kn_status kn_bezier_affine(kn_ctx *ctx, kn_bezier *out, const kn_bezier *a, int dim,
                                              const double *matrix, const double *offset);
-// out = the antiderivative of a in variable var that is zero at 0: one degree more in var. Polynomial a only.
+// out = the antiderivative of a in variable var that is zero at 0.
+// out:    one degree more in var; exact where the divisions by it are.
+// fails:  KN_EDOMAIN var, or a rational (its antiderivative need not be); KN_ELIMIT.
+// error:  gamma(k) sum_(i<k) |p_i| / (n + 1) for coefficient k = 0 .. n + 1 along var, n a's degree.
+// cost:   an addition and a division a coefficient.
 KN_API KN_CHECKED kn_status kn_bezier_antiderivative(kn_ctx *ctx, kn_bezier *out, const kn_bezier *a, int var);
-// out = the integral of a over [0,1]^nvars, dim numbers. Polynomial a only.
+// out = the integral of a over [0,1]^nvars: the mean of the coefficients; dim numbers.
+// fails:  KN_EDOMAIN a rational.
+// error:  gamma(sum_d degree[d] + 1) times the mean of |p_i|; exact where sums and the division are.
 KN_API KN_CHECKED kn_status kn_bezier_integral(kn_ctx *ctx, double *out, const kn_bezier *a);
-// All first partials in one piece of a's degrees: component c * nvars + d is the derivative of a_c in variable d.
+// All first partials in one piece: component c * nvars + d is the derivative of a_c in variable d.
+// out:    polynomial: a's degrees. rational: over the square of the weight, degrees double.
+// fails:  KN_EDOMAIN nvars 0; KN_ELIMIT dim * nvars components (and a weight) pass KN_MAX_COMPS, or doubled degrees.
+// error:  polynomial: gamma(3)(k |p_k - p_(k-1)| + (n-k) |p_(k+1) - p_k|) along variable d, n its degree: no division,
+//         exact for integers. rational: as kn_bezier_derivative.
 KN_API KN_CHECKED kn_status kn_bezier_gradient(kn_ctx *ctx, kn_bezier *out, const kn_bezier *a);
-// out = sum_d of the derivative of a_d in variable d, of dimension 1; dim = nvars.
+// out = sum_d of the derivative of a_d in variable d, of dimension 1. Degrees as kn_bezier_gradient.
+// fails:  KN_EDOMAIN dim is not nvars; KN_ELIMIT doubled degrees.
+// error:  polynomial: gamma(nvars + 2) times the sum of those of the gradient. rational, D the numerator's derivatives
+//         with sums for differences, raised to a's degrees: gamma(T + 4 nvars + 2)(sum_d D_d * |w| + |N_d| * |D_w|)_k,
+//         T = (nvars + 1) prod_d (degree[d] + 1) at most.
 KN_API KN_CHECKED kn_status kn_bezier_divergence(kn_ctx *ctx, kn_bezier *out, const kn_bezier *a);
 // Components first .. first+count-1 as a polynomial piece (of a rational piece: homogeneous components), exactly.
 // fails:  KN_EDOMAIN they are not all among the ncomp components, or count < 1.
@@ -151,9 +170,9 @@ KN_API KN_CHECKED kn_status kn_bezier_least_degree(kn_ctx *ctx, int *degree, con
 // wanted).
 KN_API KN_CHECKED kn_status kn_bezier_reduce(kn_ctx *ctx, kn_bezier *out, double *error, const kn_bezier *a,
                                              const int *degree);
-// out(.., x_var, ..) = a(.., 1 - x_var, ..), bit for bit.
+// out(.., x_var, ..) = a(.., 1 - x_var, ..), bit for bit. fails: KN_EDOMAIN var.
 KN_API KN_CHECKED kn_status kn_bezier_reverse(kn_ctx *ctx, kn_bezier *out, const kn_bezier *a, int var);
-// Variable d of out is variable order[d] of a, a permutation; bit for bit.
+// Variable d of out is variable order[d] of a, a permutation (else KN_EDOMAIN); bit for bit.
 KN_API KN_CHECKED kn_status kn_bezier_permute(kn_ctx *ctx, kn_bezier *out, const kn_bezier *a, const int *order);
 // left(t) = a on [0,at] and right(t) = a on [at,1] of variable var, each over [0,1] again.
 // in:     at any finite number (else KN_EDOMAIN), also outside [0,1].

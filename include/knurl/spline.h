@@ -136,7 +136,7 @@ KN_API KN_CHECKED kn_status kn_spline_least_degree(kn_ctx *ctx, int *degree, con
 // out = a with lower degrees; *error >= |out - a| over the domain, rounding included (NULL: not wanted).
 KN_API KN_CHECKED kn_status kn_spline_reduce(kn_ctx *ctx, kn_spline *out, double *error, const kn_spline *a,
                                              const int *degree);
-// out_r = sum_c matrix[r * dim(a) + c] a_c + offset[r] for r < dim; offset NULL: zeros. The weight stays.
+// out_r = sum_c matrix[r * dim(a) + c] a_c + offset[r] for r < dim; offset NULL: zeros. All else as kn_bezier_affine.
 KN_API KN_CHECKED kn_status kn_spline_affine(kn_ctx *ctx, kn_spline *out, const kn_spline *a, int dim,
                                              const double *matrix, const double *offset);
 KN_API KN_CHECKED kn_status kn_spline_scale(kn_ctx *ctx, kn_spline *out, const kn_spline *a, double factor);
@@ -144,12 +144,31 @@ KN_API KN_CHECKED kn_status kn_spline_difference(kn_ctx *ctx, kn_spline *out, co
 // out = det(a, b, c), of dimension 1; all three of dimension 3.
 KN_API KN_CHECKED kn_status kn_spline_determinant(kn_ctx *ctx, kn_spline *out, const kn_spline *a, const kn_spline *b,
                                                   const kn_spline *c);
-// As the functions of the same names in bezier.h.
+// Components first .. first+count-1 as a polynomial spline (of a rational one: homogeneous components), exactly.
+// fails:  KN_EDOMAIN they are not all among the ncomp components, or count < 1.
 KN_API KN_CHECKED kn_status kn_spline_components(kn_ctx *ctx, kn_spline *out, const kn_spline *a, int first,
                                                  int count);
+// out = the antiderivative of a in variable var that is zero at the domain's start.
+// out:    one degree more in var, every interior knot as often as before: one continuity more, jumps become kinks.
+// fails:  KN_EDOMAIN var, or a rational; KN_ELIMIT.
+// error:  gamma(k + 2) sum_(i<k) |c_i| (t_i+p+1 - t_i) / (p + 1) for coefficient k along var; exact where all is.
+// source: de Boor, A Practical Guide to Splines, chapter X.
 KN_API KN_CHECKED kn_status kn_spline_antiderivative(kn_ctx *ctx, kn_spline *out, const kn_spline *a, int var);
+// out = the integral of a over its domain, dim numbers.
+// fails:  KN_EDOMAIN a rational.
+// error:  gamma(sum_d (count[d] + 2) + 1) sum_k |c_k| prod_d (t_k+p+1 - t_k) / (p_d + 1); exact where all is.
+// cost:   a multiply-add a coefficient.
 KN_API KN_CHECKED kn_status kn_spline_integral(kn_ctx *ctx, double *out, const kn_spline *a);
+// All first partials in one spline: component c * nvars + d is the derivative of a_c in variable d.
+// out:    polynomial: a's degrees, interior knots of every variable once more often, at most degree + 1 times: the
+//         grid that holds all partials. rational: over the square of the weight, degrees double, continuity one less.
+// fails:  KN_ELIMIT dim * nvars components (and a weight) pass KN_MAX_COMPS, doubled degrees, coefficients.
+// error:  polynomial, of the derivative in variable v: gamma(7 p_v + sum_(d != v) (6 p_d + 1)) D, D the largest
+//         p (|c_i+1| + |c_i|) / (t_i+p+1 - t_i+1) that acts, along v. rational: as kn_spline_derivative.
 KN_API KN_CHECKED kn_status kn_spline_gradient(kn_ctx *ctx, kn_spline *out, const kn_spline *a);
+// out = sum_d of the derivative of a_d in variable d, of dimension 1. Degrees and knots as kn_spline_gradient.
+// fails:  KN_EDOMAIN dim is not nvars; KN_ELIMIT as said.
+// error:  the sum of those of the gradient, and gamma(nvars - 1) of the sum of absolute values.
 KN_API KN_CHECKED kn_status kn_spline_divergence(kn_ctx *ctx, kn_spline *out, const kn_spline *a);
 // out[d] >= |derivative of a in variable d| (Euclidean norm) over the domain: nvars numbers.
 KN_API KN_CHECKED kn_status kn_spline_lipschitz(kn_ctx *ctx, double *out, const kn_spline *a);
@@ -171,8 +190,11 @@ KN_API KN_CHECKED kn_status kn_spline_merge(kn_ctx *ctx, kn_spline *out, double 
 // The same values over [lo,hi] in variable var.
 KN_API KN_CHECKED kn_status kn_spline_reparameterize(kn_ctx *ctx, kn_spline *out, const kn_spline *a, int var,
                                                      double lo, double hi);
+// out(.., x_var, ..) = a(.., lo + hi - x_var, ..) over the same domain [lo,hi] of var.
+// out:    coefficients bit for bit; knots lo + (hi - t) with two roundings, none in [0,1] beyond that of 1 - t.
+// fails:  KN_EDOMAIN var, or rounded knots that fall together beyond their multiplicity.
 KN_API KN_CHECKED kn_status kn_spline_reverse(kn_ctx *ctx, kn_spline *out, const kn_spline *a, int var);
-// Variable d of out is variable order[d] of a, a permutation; bit for bit.
+// Variable d of out is variable order[d] of a, a permutation (else KN_EDOMAIN); bit for bit.
 KN_API KN_CHECKED kn_status kn_spline_permute(kn_ctx *ctx, kn_spline *out, const kn_spline *a, const int *order);
 // The curve, surface, .. of one variable less at x_var = at.
 KN_API KN_CHECKED kn_status kn_spline_isoparametric(kn_ctx *ctx, kn_spline *out, const kn_spline *a, int var,
