@@ -41,6 +41,8 @@ kn_status kn_spline_refine_in_scratch(kn_ctx *ctx, kn_spline *s, int var, const 
 
 // Room for a band in scratch.
 kn_status kn_spline_band(kn_ctx *ctx, kn_band *band, int rows, int width);
+// The same with terms[], for kn_band_refine and kn_band_elevate, which then work on no more than they need.
+kn_status kn_spline_refining_band(kn_ctx *ctx, kn_band *band, int rows, int width);
 // Applies band along var in place; knots (band->rows + degree + 1) replace those of var. s, whose arrays are
 // allocated, is unchanged on failure.
 kn_status kn_spline_map(kn_ctx *ctx, kn_spline *s, int var, int degree, const double *knots, const kn_band *band);
@@ -66,7 +68,8 @@ kn_status kn_spline_join(kn_ctx *ctx, kn_spline *s, const kn_grid *grid);
 
 // out = op(a, b) piece by piece on the union of their breaks (b may be NULL). op answers pieces of one shape, in the
 // parameters of [0,1]; it gets the size of the box. The knots are those of the minimal continuity of the operands,
-// less one in variable `rough` (-1: none).
+// less one in variable `rough` (-1: none, KN_EVERY_VAR: in each).
+enum { KN_EVERY_VAR = -2 };
 typedef kn_status (*kn_piece_op)(kn_ctx *ctx, kn_bezier *out, const kn_bezier *a, const kn_bezier *b,
                                  const double *size, const void *user);
 kn_status kn_spline_by_pieces(kn_ctx *ctx, const char *call, kn_spline *out, const kn_spline *a, const kn_spline *b,
