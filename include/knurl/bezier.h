@@ -95,7 +95,8 @@ KN_API int kn_derivative_index(int nvars, const int *a);
 // out = a + b and out = a - b: values of equal dimension.
 // out:    polynomial, or with equal weights (the same degrees, bit for bit the same coefficients): the higher degree
 //         in each variable and that weight. Otherwise (a wb + b wa) / (wa wb): the degrees add up.
-// error:  polynomial or equal weights: gamma(1 + e)(|a| + |b|)_k, e the roundings of kn_bezier_elevate. Otherwise
+// error:  polynomial or equal weights: gamma(1 + e_a)|a|_k + gamma(1 + e_b)|b|_k, e_a and e_b the roundings
+//         of kn_bezier_elevate. Otherwise
 //         gamma(T + 3 nvars)(|a| * |wb| + |b| * |wa|)_k, T terms in the sum.
 // cost:   the elevation, or two products a component.
 KN_API KN_CHECKED kn_status kn_bezier_sum(kn_ctx *ctx, kn_bezier *out, const kn_bezier *a, const kn_bezier *b);
@@ -162,7 +163,8 @@ KN_API KN_CHECKED kn_status kn_bezier_components(kn_ctx *ctx, kn_bezier *out, co
 // ---- shape of the representation: the function is unchanged, or restricted ----
 // out = a with degree[d] in variable d.
 // fails:  KN_EDOMAIN a degree below a's; KN_ELIMIT.
-// error:  gamma(sum over raised d of (T_d + 2)) |a|_k, T_d = min(a.degree[d], the rise) + 1 terms, |a| elevated too.
+// error:  gamma(sum over raised d of (T_d + 2)) |a|_k, |a| elevated too; T_d terms,
+//         min(a.degree[d], the rise, k_d, degree[d] - k_d) + 1 for coefficient k.
 KN_API KN_CHECKED kn_status kn_bezier_elevate(kn_ctx *ctx, kn_bezier *out, const kn_bezier *a, const int *degree);
 // The least degrees, variable by variable, that represent a within tolerance (0: exactly); nvars numbers.
 KN_API KN_CHECKED kn_status kn_bezier_least_degree(kn_ctx *ctx, int *degree, const kn_bezier *a, double tolerance);
@@ -177,14 +179,16 @@ KN_API KN_CHECKED kn_status kn_bezier_permute(kn_ctx *ctx, kn_bezier *out, const
 // left(t) = a on [0,at] and right(t) = a on [at,1] of variable var, each over [0,1] again.
 // in:     at any finite number (else KN_EDOMAIN), also outside [0,1].
 // out:    left and right: initialised, two pieces; neither may be a. Their common edge is the same bit for bit.
-// error:  gamma(3 degree[var]) times the subdivision of |a|.
+// error:  gamma(3 k) times the subdivision of |a| for coefficient k of left along var, gamma(3 (degree[var] - k)) of
+//         right; outside [0,1] with |at| and |1 - at|.
 KN_API KN_CHECKED kn_status kn_bezier_subdivide(kn_ctx *ctx, kn_bezier *left, kn_bezier *right, const kn_bezier *a,
                                                 int var, double at);
 // out(x) = a(lo + x (hi - lo)), component by component of x; lo and hi may lie outside [0,1], and lo > hi reverses.
 // in:     nvars finite numbers each (else KN_EDOMAIN). lo 0 and hi 1 leave a variable as it is, bit for bit.
 // out:    boxes that share a face give pieces whose coefficients on it agree bit for bit when the others do.
-// error:  gamma(sum_d (5 degree[d] + 2)) sum_j |M_kj| |p_j|, M the matrix of the restriction: rows that sum to 1,
-//         non-negative inside [0,1].
+// error:  gamma(sum_d (5 degree[d] + 2)) sum_j M_kj |p_j|, row k of M the coefficients of
+//         (|1-lo| + |lo| x)^(degree - k) (|1-hi| + |hi| x)^k: inside [0,1] the matrix of the restriction, whose rows
+//         sum to 1.
 // cost:   count * sum_d (degree[d] + 1) multiply-adds a component.
 KN_API KN_CHECKED kn_status kn_bezier_restrict(kn_ctx *ctx, kn_bezier *out, const kn_bezier *a, const double *lo,
                                                const double *hi);

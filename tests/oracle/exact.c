@@ -392,6 +392,24 @@ void exact_substitute(exact *out, const exact *a, int var, double lo, double hi)
     fmpq_clear(p), fmpq_clear(r), fmpz_clear(q), fmpz_clear(shift), fmpz_clear(power);
 }
 
+void exact_divide_power(exact *out, const exact *a, int var, int k)
+{
+    int degree[KN_MAX_VARS];
+    for (int d = 0; d < a->nvars; d++) degree[d] = a->degree[d] - (d == var ? k : 0);
+    exact b = exact_new();
+    exact_shape(&b, a->nvars, degree);
+    axis from = axis_of(a, var), to = axis_of(&b, var);
+    for (size_t o = 0; o < from.outer; o++) {
+        for (size_t i = 0; i < (size_t)k * from.inner; i++)
+            assert_true(fmpz_is_zero(a->num + o * from.n * from.inner + i));
+        _fmpz_vec_set(b.num + o * to.n * to.inner, a->num + (o * from.n + (size_t)k) * from.inner,
+                      (slong)(to.n * to.inner));
+    }
+    fmpz_set(b.den, a->den);
+    exact_swap(out, &b);
+    exact_free(&b);
+}
+
 // out = a without its last variable, which is put at `at`.
 static void fix_last(exact *out, const exact *a, double at)
 {

@@ -58,6 +58,8 @@ void exact_derivative(exact *out, const exact *a, int var);
 void exact_antiderivative(exact *out, const exact *a, int var); // zero at 0
 // out(.., x_var, ..) = a(.., lo + x_var (hi - lo), ..).
 void exact_substitute(exact *out, const exact *a, int var, double lo, double hi);
+// out = a / x_var^k, which is exact: the coefficients below k are zero.
+void exact_divide_power(exact *out, const exact *a, int var, int k);
 void exact_value(fmpq_t out, const exact *a, const double *at);
 // out(t) = weight^(sum p) outer(inner_0 / weight, ..) for inner functions over the same variables; weight NULL: 1.
 // p_d = outer->degree[d].
@@ -97,6 +99,8 @@ void exact_judge(exact_judge_t *judge, const double *computed, const exact *valu
 void exact_judge_one(exact_judge_t *judge, double computed, const fmpq_t value, const fmpq_t size, int roundings);
 // Any other stated bound: |computed - exact| <= bound.
 void exact_judge_bound(exact_judge_t *judge, double computed, const fmpq_t value, const fmpq_t bound);
+// computed[i] is the double nearest to the exact number: what data of small integers must give.
+void exact_assert_nearest(const double *computed, const exact *value);
 // Prints a line, and asserts that the median of bound / error is at most slack (0: no such claim). Starts afresh.
 void exact_judge_end(exact_judge_t *judge, double slack);
 

@@ -5,6 +5,8 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include <arf.h>
+
 static const double UNIT = 0x1p-53;
 
 static void collect(exact_judge_t *judge, double ratio)
@@ -91,6 +93,19 @@ void exact_judge_bound(exact_judge_t *judge, double computed, const fmpq_t value
     judge_ratio(judge,
                 error_over(computed, fmpq_numref(value), fmpq_denref(value), fmpq_numref(bound), fmpq_denref(bound)),
                 1.0, judge->all, computed);
+}
+
+void exact_assert_nearest(const double *computed, const exact *value)
+{
+    arf_t x;
+    arf_init(x);
+    size_t n = exact_count(value);
+    for (size_t i = 0; i < n; i++) {
+        arf_fmpz_div_fmpz(x, value->num + i, value->den, 53, ARF_RND_NEAR);
+        double nearest = arf_get_d(x, ARF_RND_NEAR);
+        if (computed[i] != nearest) fail_msg("number %zu: %.17g, not the nearest %.17g", i, computed[i], nearest);
+    }
+    arf_clear(x);
 }
 
 static int by_value(const void *a, const void *b)

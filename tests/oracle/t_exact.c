@@ -62,7 +62,7 @@ static void identities(void **state)
     exact a = exact_new(), b = exact_new(), c = exact_new(), inner[3] = {exact_new(), exact_new(), exact_new()};
     fmpq_t x, y, z;
     fmpq_init(x), fmpq_init(y), fmpq_init(z);
-    for (int round = test_scale(20); round > 0; round--) {
+    for (int round = test_scale(6); round > 0; round--) {
         int nvars = test_int(&rng, 1, 3), degree[3], raised[3];
         kn_bezier f, g;
         double at[3], lo = test_uniform(&rng, -1, 1), hi = test_uniform(&rng, -1, 1);

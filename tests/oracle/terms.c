@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: Apache-2.0
+// Sums of products of components, exactly.
+#include "tests/oracle/terms.h"
+
+#include <stdlib.h>
+
+exact_factor exact_factor_of(const kn_bezier *b, int comp)
+{
+    exact_factor f = {exact_new(), exact_new()};
+    exact_of_bezier(&f.value, b, comp, false);
+    exact_of_bezier(&f.size, b, comp, true);
+    return f;
+}
+
+exact_factor exact_factor_derivative(const kn_bezier *b, int comp, int var)
+{
+    exact_factor f = {exact_new(), exact_new()};
+    int degree[KN_MAX_VARS];
+    for (int d = 0; d < b->nvars; d++) degree[d] = b->degree[d];
+    if (degree[var] > 0) degree[var]--;
+    exact_of_bezier(&f.value, b, comp, false);
+    exact_derivative(&f.value, &f.value, var);
+    exact_bernstein(&f.size, &f.value, degree);
+    exact_abs(&f.size);
+    exact_power(&f.size);
+    return f;
+}
+
+void exact_factor_free(exact_factor *f)
+{
+    exact_free(&f->value), exact_free(&f->size);
+}
+
+static int least(int a, int b)
+{
+    return a < b ? a : b;
+}
+
+// prod_d of the pairs i + j = k with i <= m, j <= n.
+static int pairs(const int *k, int nvars, const int *m, const int *n)
+{
+    int all = 1;
+    for (int d = 0; d < nvars; d++) all *= least(least(m[d], n[d]), least(k[d], m[d] + n[d] - k[d])) + 1;
+    return all;
+}
+
+static int *count_roundings(const kn_bezier *c, const int *m, const int *n, int per, int more)
+{
+    size_t count = kn_bezier_count(c);
+    int *roundings = malloc(count * sizeof *roundings), k[KN_MAX_VARS] = {0};
+    assert_non_null(roundings);
+    for (size_t i = 0; i < count; i++) {
+        roundings[i] = per * pairs(k, c->nvars, m, n) + more;
+        for (int d = c->nvars - 1; d >= 0 && ++k[d] > c->degree[d]; d--) k[d] = 0;
+    }
+    return roundings;
+}
+
+void exact_judge_terms(exact_judge_t *judge, const kn_bezier *c, int comp, const exact_term *terms, int nterms,
+                       const int *m, const int *n, int per, int more)
+{
+    exact value = exact_new(), size = exact_new(), v = exact_new(), s = exact_new();
+    exact_constant(&value, c->nvars, 0.0);
+    exact_constant(&size, c->nvars, 0.0);
+    for (int t = 0; t < nterms; t++) {
+        exact_constant(&v, c->nvars, terms[t].sign);
+        exact_constant(&s, c->nvars, 1.0);
+        for (int i = 0; i < 3 && terms[t].f[i]; i++) {
+            exact_mul(&v, &v, &terms[t].f[i]->value);
+            exact_mul(&s, &s, &terms[t].f[i]->size);
+        }
+        exact_add(&value, &value, &v);
+        exact_add(&size, &size, &s);
+    }
+    exact_bernstein(&value, &value, c->degree);
+    exact_bernstein(&size, &size, c->degree);
+    int *roundings = count_roundings(c, m, n, per, more);
+    exact_judge(judge, c->coef + (size_t)comp * kn_bezier_count(c), &value, &size, roundings, 0);
+    free(roundings);
+    exact_free(&value), exact_free(&size), exact_free(&v), exact_free(&s);
+}
