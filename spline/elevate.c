@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Degree elevation: every knot as much more often as the degree rises, the continuity as it was.
-#include "spline/view.h"
+#include "spline/in_scratch.h"
 #include "kernel/context.h"
 
 kn_status kn_spline_elevate(kn_ctx *ctx, kn_spline *out, const kn_spline *a, const int *degree)
@@ -14,10 +14,11 @@ kn_status kn_spline_elevate(kn_ctx *ctx, kn_spline *out, const kn_spline *a, con
         if (degree[d] > KN_MAX_DEGREE)
             return kn_fail(ctx, KN_ELIMIT, "spline_elevate: degree %d in variable %d", degree[d], d);
     }
-    kn_spline view = *a;
+    kn_spline s = *a;
     kn_mark mark = kn_scratch_mark(ctx);
-    for (int d = a->nvars - 1; d >= 0 && status == KN_OK; d--) status = kn_view_elevate(ctx, &view, d, degree[d]);
-    if (status == KN_OK) status = kn_view_store(ctx, out, &view);
+    for (int d = a->nvars - 1; d >= 0 && status == KN_OK; d--)
+        status = kn_spline_elevate_in_scratch(ctx, &s, d, degree[d]);
+    if (status == KN_OK) status = kn_spline_store(ctx, out, &s);
     kn_scratch_release(ctx, mark);
     return status;
 }

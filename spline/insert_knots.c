@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "spline/view.h"
+#include "spline/in_scratch.h"
 #include "kernel/context.h"
 
 static int by_value(const void *a, const void *b)
@@ -48,7 +48,7 @@ kn_status kn_spline_insert_knots(kn_ctx *ctx, kn_spline *out, const kn_spline *a
     if (n < 0) return kn_fail(ctx, KN_EDOMAIN, "spline_insert_knots: %d knots", n);
     if ((size_t)n > KN_MAX_COEFS) return kn_fail(ctx, KN_ELIMIT, "spline_insert_knots: %d knots", n);
 
-    kn_spline view = *a;
+    kn_spline s = *a;
     int p = a->degree[var], count = a->count[var], old = count + p + 1;
     kn_mark mark = kn_scratch_mark(ctx);
     double *fresh = kn_scratch(ctx, (size_t)n, sizeof *fresh);
@@ -56,8 +56,8 @@ kn_status kn_spline_insert_knots(kn_ctx *ctx, kn_spline *out, const kn_spline *a
     status = fresh && to ? sort(ctx, fresh, knots, n, a->knots[var][0], a->knots[var][count]) : KN_ENOMEM;
     if (status == KN_OK && !merge(to, a->knots[var], old, fresh, n, p))
         status = kn_fail(ctx, KN_EDOMAIN, "spline_insert_knots: a knot occurs more than degree + 1 times");
-    if (status == KN_OK && n > 0) status = kn_view_refine(ctx, &view, var, to, count + n);
-    if (status == KN_OK) status = kn_view_store(ctx, out, &view); // last: out may be a
+    if (status == KN_OK && n > 0) status = kn_spline_refine_in_scratch(ctx, &s, var, to, count + n);
+    if (status == KN_OK) status = kn_spline_store(ctx, out, &s); // last: out may be a
     kn_scratch_release(ctx, mark);
     return status;
 }

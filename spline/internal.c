@@ -86,6 +86,13 @@ kn_status kn_spline_band(kn_ctx *ctx, kn_band *band, int rows, int width)
     return band->first && band->w ? KN_OK : KN_ENOMEM;
 }
 
+kn_status kn_spline_refining_band(kn_ctx *ctx, kn_band *band, int rows, int width)
+{
+    kn_status status = kn_spline_band(ctx, band, rows, width);
+    if (status == KN_OK) band->terms = kn_scratch(ctx, (size_t)rows, sizeof *band->terms);
+    return status == KN_OK && !band->terms ? KN_ENOMEM : status;
+}
+
 kn_status kn_spline_map(kn_ctx *ctx, kn_spline *s, int var, int degree, const double *knots, const kn_band *band)
 {
     kn_spline shape = *s; // only its numbers are used
@@ -141,7 +148,7 @@ kn_status kn_spline_refine_in_scratch(kn_ctx *ctx, kn_spline *s, int var, const 
 
     kn_mark mark = kn_scratch_mark(ctx);
     kn_band band;
-    status = kn_spline_band(ctx, &band, rows, s->degree[var] + 1);
+    status = kn_spline_refining_band(ctx, &band, rows, s->degree[var] + 1);
     if (status == KN_OK) {
         kn_band_refine(&band, s->knots[var], s->degree[var], s->count[var], to);
         kn_band_apply(t.coef, &band, s->coef, kn_spline_outer(s, var), s->count[var], kn_spline_inner(s, var));
@@ -155,7 +162,7 @@ kn_status kn_spline_refine_axis(kn_ctx *ctx, kn_spline *s, int var, const double
 {
     kn_mark mark = kn_scratch_mark(ctx);
     kn_band band;
-    kn_status status = kn_spline_band(ctx, &band, rows, s->degree[var] + 1);
+    kn_status status = kn_spline_refining_band(ctx, &band, rows, s->degree[var] + 1);
     if (status == KN_OK) {
         kn_band_refine(&band, s->knots[var], s->degree[var], s->count[var], to);
         status = kn_spline_map(ctx, s, var, s->degree[var], to, &band);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Several splines on one grid.
-#include "spline/view.h"
+#include "spline/in_scratch.h"
 
 #include <string.h>
 
@@ -16,40 +16,36 @@ static kn_status check(kn_ctx *ctx, const kn_spline *list, int n)
     return KN_OK;
 }
 
-// All views get the highest degree in variable var, then the union of their knots.
-static kn_status unite(kn_ctx *ctx, kn_spline *views, int n, int var)
+// All of s get the highest degree in variable var, then the union of their knots.
+static kn_status unite(kn_ctx *ctx, kn_spline *s, int n, int var)
 {
     int degree = 0, nall;
-    for (int i = 0; i < n; i++) degree = views[i].degree[var] > degree ? views[i].degree[var] : degree;
+    for (int i = 0; i < n; i++) degree = s[i].degree[var] > degree ? s[i].degree[var] : degree;
     kn_status status = KN_OK;
-    for (int i = 0; i < n && status == KN_OK; i++) status = kn_view_elevate(ctx, &views[i], var, degree);
+    for (int i = 0; i < n && status == KN_OK; i++) status = kn_spline_elevate_in_scratch(ctx, &s[i], var, degree);
     if (status != KN_OK) return status;
-    double *all = views[0].knots[var];
-    nall = views[0].count[var] + degree + 1;
+    double *all = s[0].knots[var];
+    nall = s[0].count[var] + degree + 1;
     for (int i = 1; i < n; i++) {
-        int have = views[i].count[var] + degree + 1, total;
-        total = kn_knots_union(NULL, all, nall, views[i].knots[var], have);
+        int have = s[i].count[var] + degree + 1, total;
+        total = kn_knots_union(NULL, all, nall, s[i].knots[var], have);
         if (total == nall) continue;
         double *more = kn_scratch(ctx, (size_t)total, sizeof *more);
         if (!more) return KN_ENOMEM;
-        kn_knots_union(more, all, nall, views[i].knots[var], have);
+        kn_knots_union(more, all, nall, s[i].knots[var], have);
         all = more, nall = total;
     }
-    for (int i = 0; i < n && status == KN_OK; i++) status = kn_view_union(ctx, &views[i], var, all, nall);
+    for (int i = 0; i < n && status == KN_OK; i++) status = kn_spline_unite_in_scratch(ctx, &s[i], var, all, nall);
     return status;
 }
 
-// Results for all that changed, before any of the list changes: a view that did not still has its operand's arrays.
-static kn_status store(kn_ctx *ctx, kn_spline *list, kn_spline *made, const kn_spline *views, int n)
+// Those that changed; the others still have their operand's arrays.
+static kn_status store_changed(kn_ctx *ctx, kn_spline *list, kn_spline *s, kn_spline **outs, int n)
 {
-    kn_status status = KN_OK;
-    for (int i = 0; i < n && status == KN_OK; i++)
-        if (views[i].coef != list[i].coef) status = kn_view_store(ctx, &made[i], &views[i]);
-    for (int i = 0; i < n; i++) {
-        if (status == KN_OK && made[i].nvars > 0) kn_spline_swap(&list[i], &made[i]);
-        kn_spline_clear(ctx, &made[i]);
-    }
-    return status;
+    int changed = 0;
+    for (int i = 0; i < n; i++)
+        if (s[i].coef != list[i].coef) outs[changed] = &list[i], s[changed++] = s[i];
+    return changed > 0 ? kn_spline_store_all(ctx, outs, s, changed) : KN_OK;
 }
 
 kn_status kn_spline_make_compatible(kn_ctx *ctx, kn_spline *list, int n)
@@ -57,14 +53,13 @@ kn_status kn_spline_make_compatible(kn_ctx *ctx, kn_spline *list, int n)
     kn_status status = check(ctx, list, n);
     if (status != KN_OK || n < 2) return status;
     kn_mark mark = kn_scratch_mark(ctx);
-    kn_spline *views = kn_scratch(ctx, (size_t)n, sizeof *views);
-    kn_spline *made = views ? kn_scratch(ctx, (size_t)n, sizeof *made) : NULL;
-    status = made ? KN_OK : KN_ENOMEM;
+    kn_spline *s = kn_scratch(ctx, (size_t)n, sizeof *s);
+    kn_spline **outs = s ? kn_scratch(ctx, (size_t)n, sizeof *outs) : NULL;
+    status = outs ? KN_OK : KN_ENOMEM;
     if (status == KN_OK) {
-        memcpy(views, list, (size_t)n * sizeof *views);
-        memset(made, 0, (size_t)n * sizeof *made);
-        for (int d = list->nvars - 1; d >= 0 && status == KN_OK; d--) status = unite(ctx, views, n, d);
-        if (status == KN_OK) status = store(ctx, list, made, views, n);
+        memcpy(s, list, (size_t)n * sizeof *s);
+        for (int d = list->nvars - 1; d >= 0 && status == KN_OK; d--) status = unite(ctx, s, n, d);
+        if (status == KN_OK) status = store_changed(ctx, list, s, outs, n);
     }
     kn_scratch_release(ctx, mark);
     return status;
