@@ -43,20 +43,16 @@ static kn_status scaled(kn_ctx *ctx, double *value, const kn_nest *nest, int sum
     return status;
 }
 
-// out = value / weight, component by component; out keeps its coefficients when they are as many.
-static kn_status deliver(kn_ctx *ctx, kn_bezier *out, kn_bezier *result, const double *value)
+kn_status kn_compose_deliver(kn_ctx *ctx, kn_bezier *out, kn_bezier *result, const double *value,
+                             const double *weight)
 {
-    size_t n = kn_bezier_count(result), all = n * (size_t)result->ncomp;
-    double *weight = kn_scratch(ctx, n, sizeof *weight);
-    bool keep = out->coef && kn_bezier_count(out) * (size_t)out->ncomp == all;
-    if (!weight) return KN_ENOMEM;
-    result->coef = keep ? out->coef : kn_alloc(ctx, all, sizeof *result->coef);
-    if (!result->coef) return KN_ENOMEM;
-    kn_bernstein_weights(weight, result->nvars, result->degree);
+    size_t n = kn_bezier_count(result);
+    kn_status status = kn_bezier_begin(ctx, result, out, false, "compose"); // value is all that is needed
+    if (status != KN_OK) return status;
     for (size_t c = 0; c < (size_t)result->ncomp; c++)
-        for (size_t i = 0; i < n; i++) result->coef[c * n + i] = value[c * n + i] / weight[i];
-    if (!keep) kn_free(ctx, out->coef);
-    *out = *result;
+        for (size_t i = 0; i < n; i++)
+            result->coef[c * n + i] = weight ? value[c * n + i] / weight[i] : value[c * n + i];
+    kn_bezier_end(ctx, out, result);
     return KN_OK;
 }
 
@@ -68,10 +64,12 @@ static kn_status compute(kn_ctx *ctx, kn_bezier *out, int sum, const kn_bezier *
     if (status != KN_OK) return status;
     kn_nest *nest = kn_scratch(ctx, 1, sizeof *nest);
     double *value = kn_scratch(ctx, kn_bezier_count(&result) * (size_t)result.ncomp, sizeof *value);
-    if (!nest || !value) return KN_ENOMEM;
+    double *weight = kn_scratch(ctx, kn_bezier_count(&result), sizeof *weight);
+    if (!nest || !value || !weight) return KN_ENOMEM;
+    kn_bernstein_weights(weight, result.nvars, result.degree);
     kn_nest_plan(nest, outer, inner);
     status = scaled(ctx, value, nest, sum, outer, inner, lo, hi);
-    return status == KN_OK ? deliver(ctx, out, &result, value) : status;
+    return status == KN_OK ? kn_compose_deliver(ctx, out, &result, value, weight) : status;
 }
 
 kn_status kn_compose_over(kn_ctx *ctx, kn_bezier *out, const kn_bezier *outer, const kn_bezier *inner,

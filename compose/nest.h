@@ -41,6 +41,11 @@ kn_status kn_nest_power(kn_ctx *ctx, double *out, const kn_nest *nest, const dou
 // kn_bezier_compose over the box [lo,hi] of outer's domain (NULL: the unit box), all checks done.
 kn_status kn_compose_over(kn_ctx *ctx, kn_bezier *out, const kn_bezier *outer, const kn_bezier *inner,
                           const double *lo, const double *hi);
+// The end of an operation: out = result with the coefficients value (divided by weight, one component's, when it is
+// not NULL). out keeps its memory when that is of the right size. Nothing has failed before, and out may be an
+// operand of what made value.
+kn_status kn_compose_deliver(kn_ctx *ctx, kn_bezier *out, kn_bezier *result, const double *value,
+                             const double *weight);
 // The plain reference of kn_bezier_compose: all Bernstein polynomials of each variable, one product after the other.
 kn_status kn_compose_plain(kn_ctx *ctx, kn_bezier *out, const kn_bezier *outer, const kn_bezier *inner);
 

@@ -1,0 +1,273 @@
+// SPDX-License-Identifier: Apache-2.0
+// Compositions, substitutions and sensitivities of pieces against exact rational arithmetic.
+#include "tests/oracle/exact.h"
+
+#include <knurl/compose.h>
+#include <string.h>
+
+enum { MOST = 4 };
+
+// ---- the exact composition, and the same expression in absolute values ----
+typedef struct factors {
+    exact x[MOST], s[MOST], x_abs[MOST], s_abs[MOST], weight;
+    bool rational;
+    int n;
+} factors;
+
+// x_d and w - x_d of inner's components, and with the absolute values of their Bernstein coefficients.
+static factors factors_of(const kn_bezier *inner)
+{
+    factors f = {.rational = inner->rational, .n = kn_bezier_dim(inner), .weight = exact_new()};
+    exact_of_bezier(&f.weight, inner, f.n, false);
+    for (int d = 0; d < f.n; d++) {
+        f.x[d] = exact_new(), f.s[d] = exact_new(), f.x_abs[d] = exact_new(), f.s_abs[d] = exact_new();
+        exact_of_bezier(&f.x[d], inner, d, false);
+        exact_sub(&f.s[d], &f.weight, &f.x[d]);
+        exact_of_bezier(&f.x_abs[d], inner, d, true);
+        exact_bernstein(&f.s_abs[d], &f.s[d], inner->degree);
+        exact_abs(&f.s_abs[d]);
+        exact_power(&f.s_abs[d]);
+    }
+    return f;
+}
+
+static void factors_free(factors *f)
+{
+    for (int d = 0; d < f->n; d++)
+        exact_free(&f->x[d]), exact_free(&f->s[d]), exact_free(&f->x_abs[d]), exact_free(&f->s_abs[d]);
+    exact_free(&f->weight);
+}
+
+// out = sum over the Bernstein coefficients of outer's component from place `at` of |c| prod C(p,i) |x|^i |s|^(p-i).
+static void absolute(exact *out, const kn_bezier *outer, int comp, const factors *f, int d, size_t at)
+{
+    if (d == outer->nvars) {
+        size_t n = kn_bezier_count(outer);
+        double c = comp < outer->ncomp ? outer->coef[(size_t)comp * n + at] : 1.0;
+        exact_constant(out, f->weight.nvars, c < 0 ? -c : c);
+        return;
+    }
+    int p = outer->degree[d];
+    exact sum = exact_new(), term = exact_new(), power = exact_new();
+    fmpq_t binomial;
+    fmpq_init(binomial);
+    exact_constant(&sum, f->weight.nvars, 0.0);
+    for (int i = 0; i <= p; i++) {
+        absolute(&term, outer, comp, f, d + 1, at * (size_t)(p + 1) + (size_t)i);
+        for (int k = 0; k < p; k++) exact_mul(&term, &term, k < i ? &f->x_abs[d] : &f->s_abs[d]);
+        fmpz_bin_uiui(fmpq_numref(binomial), (ulong)p, (ulong)i);
+        fmpz_one(fmpq_denref(binomial));
+        exact_scale(&term, &term, binomial);
+        exact_add(&sum, &sum, &term);
+    }
+    exact_swap(out, &sum);
+    fmpq_clear(binomial);
+    exact_free(&sum), exact_free(&term), exact_free(&power);
+}
+
+// Component comp of outer(inner) times w^(sum p), as a polynomial.
+static void composed(exact *out, const kn_bezier *outer, int comp, const factors *f)
+{
+    exact o = exact_new();
+    if (comp < outer->ncomp) {
+        exact_of_bezier(&o, outer, comp, false);
+    } else { // the weight of a polynomial: 1, of all its degrees
+        fmpq_t one;
+        fmpq_init(one);
+        fmpq_one(one);
+        exact_shape(&o, outer->nvars, outer->degree);
+        exact_set(&o, 0, one);
+        fmpq_clear(one);
+    }
+    for (int d = 0; d < outer->nvars; d++) assert_int_equal(o.degree[d], outer->degree[d]);
+    exact_compose(out, &o, f->x, f->rational ? &f->weight : NULL);
+    exact_free(&o);
+}
+
+// The roundings that compose.h states.
+static int roundings(const kn_bezier *outer, const kn_bezier *inner)
+{
+    int sum = 0, terms = 1, most[2] = {0, 0}, n = inner->nvars;
+    for (int d = 0; d < outer->nvars; d++) {
+        int p = outer->degree[d];
+        sum += p;
+        if (p > most[0])
+            most[1] = most[0], most[0] = p;
+        else if (p > most[1])
+            most[1] = p;
+    }
+    for (int d = 0; d < n; d++) terms *= inner->degree[d] + 1;
+    return sum * (terms + n + 3) + (most[0] + 1) * (most[1] + 1) + outer->nvars + n + 1;
+}
+
+static void judge_composition(exact_judge_t *judge, const kn_bezier *out, const kn_bezier *outer,
+                              const kn_bezier *inner, bool integers)
+{
+    factors f = factors_of(inner);
+    exact value = exact_new(), size = exact_new();
+    size_t n = kn_bezier_count(out);
+    for (int c = 0; c < out->ncomp; c++) {
+        composed(&value, outer, c, &f);
+        exact_bernstein(&value, &value, out->degree);
+        if (integers) {
+            exact_assert_nearest(out->coef + (size_t)c * n, &value);
+            continue;
+        }
+        absolute(&size, outer, c, &f, 0, 0);
+        exact_bernstein(&size, &size, out->degree);
+        exact_judge(judge, out->coef + (size_t)c * n, &value, &size, NULL, roundings(outer, inner));
+    }
+    exact_free(&value), exact_free(&size);
+    factors_free(&f);
+}
+
+// ---- every pairing ----
+typedef struct pairing {
+    int outer_vars, outer[MOST], inner_vars, inner[MOST];
+} pairing;
+
+static const pairing pairings[] = {
+    {1, {5}, 0, {0}},                   // a point on a curve
+    {3, {2, 0, 1}, 0, {0}},             // in a volume
+    {1, {4}, 1, {3}},                   // reparameterization
+    {1, {3}, 2, {2, 1}},                // a function of a surface
+    {2, {3, 3}, 1, {3}},                // curve in surface
+    {2, {0, 2}, 1, {2}},                //
+    {3, {2, 3, 1}, 1, {3}},             // curve in volume
+    {2, {2, 1}, 2, {2, 2}},             // surface in surface
+    {2, {1, 0}, 2, {2, 0}},             //
+    {2, {0, 0}, 2, {2, 1}},             //
+    {3, {2, 1, 1}, 2, {1, 2}},          // surface in volume
+    {3, {1, 1, 1}, 3, {2, 1, 1}},       // volume in volume
+    {2, {2, 1}, 3, {1, 1, 2}},          // volume in surface
+    {4, {1, 2, 1, 1}, 2, {1, 1}},       //
+    {4, {1, 1, 0, 1}, 4, {1, 1, 1, 1}}, //
+};
+
+static void make(kn_ctx *ctx, kn_bezier *outer, kn_bezier *inner, const pairing *p, test_rng *rng,
+                 bool outer_rational, bool inner_rational, exact_kind kind)
+{
+    int dim = test_int(rng, 1, 3);
+    exact_random_bezier(ctx, outer, rng, p->outer_vars, dim + outer_rational, outer_rational, p->outer, kind);
+    exact_random_bezier(ctx, inner, rng, p->inner_vars, p->outer_vars + inner_rational, inner_rational, p->inner,
+                        kind);
+}
+
+static void every_pairing(void **state)
+{
+    (void)state;
+    test_memory memory = TEST_MEMORY_INIT;
+    kn_ctx *ctx = test_ctx(&memory, 1);
+    test_rng rng = test_random(11);
+    exact_judge_t judge = {.name = "compose: every pairing"};
+    for (size_t i = 0; i < sizeof pairings / sizeof *pairings; i++)
+        for (int kind = 0; kind < 12; kind++) {
+            kn_bezier outer, inner, out = {0};
+            exact_kind data = kind < 4 ? EXACT_INTEGERS : kind < 8 ? EXACT_UNIFORM : EXACT_CANCEL;
+            make(ctx, &outer, &inner, &pairings[i], &rng, kind & 1, kind & 2, data);
+            assert_int_equal(kn_bezier_compose(ctx, &out, &outer, &inner), KN_OK);
+            assert_int_equal(out.rational, (kind & 3) != 0);
+            assert_int_equal(kn_bezier_dim(&out), kn_bezier_dim(&outer));
+            judge_composition(&judge, &out, &outer, &inner, data == EXACT_INTEGERS);
+            kn_bezier_clear(ctx, &outer), kn_bezier_clear(ctx, &inner), kn_bezier_clear(ctx, &out);
+        }
+    exact_judge_end(&judge, 0.0);
+    test_ctx_end(ctx, &memory);
+}
+
+// ---- up to degree 56, inside the unit cell: errors are relative ----
+static void move_into_cell(kn_bezier *inner)
+{
+    size_t n = kn_bezier_count(inner), dim = (size_t)kn_bezier_dim(inner);
+    for (size_t i = 0; i < n * dim; i++) {
+        double w = inner->rational ? inner->coef[dim * n + i % n] : 1.0;
+        inner->coef[i] = w * (0.5 + 0.5 * inner->coef[i]);
+    }
+}
+
+static void high_degrees(void **state)
+{
+    (void)state;
+    static const pairing list[] = {{1, {56}, 1, {1}},        {1, {14}, 1, {4}},       {2, {9, 9}, 1, {3}},
+                                   {3, {9, 9, 10}, 1, {2}},  {2, {10, 4}, 2, {4, 1}}, {3, {3, 3, 1}, 2, {3, 3}},
+                                   {3, {8, 8, 1}, 2, {1, 3}}};
+    test_memory memory = TEST_MEMORY_INIT;
+    kn_ctx *ctx = test_ctx(&memory, 1);
+    test_rng rng = test_random(12);
+    exact_judge_t judge = {.name = "compose: up to degree 56"};
+    for (size_t i = 0; i < sizeof list / sizeof *list; i++) {
+        kn_bezier outer, inner, out = {0};
+        make(ctx, &outer, &inner, &list[i], &rng, i % 3 == 1, i % 2 == 1, EXACT_UNIFORM);
+        move_into_cell(&inner);
+        assert_int_equal(kn_bezier_compose(ctx, &out, &outer, &inner), KN_OK);
+        judge_composition(&judge, &out, &outer, &inner, false);
+        kn_bezier_clear(ctx, &outer), kn_bezier_clear(ctx, &inner), kn_bezier_clear(ctx, &out);
+    }
+    exact_judge_end(&judge, 0.0);
+    test_ctx_end(ctx, &memory);
+}
+
+// ---- substitution: every line of coefficients along the variable is the composition of a curve ----
+static void line_of(double *line, const kn_bezier *b, int comp, int var, size_t outer, size_t inner, size_t step)
+{
+    size_t n = (size_t)b->degree[var] + 1;
+    for (size_t i = 0; i < n; i++)
+        line[i] = b->coef[(size_t)comp * kn_bezier_count(b) + (outer * n + i) * step + inner];
+}
+
+static void judge_substitution(exact_judge_t *judge, const kn_bezier *out, const kn_bezier *a, int var,
+                               const kn_bezier *g, bool integers)
+{
+    factors f = factors_of(g);
+    exact value = exact_new(), size = exact_new();
+    size_t step = 1, lines = kn_bezier_count(a) / ((size_t)a->degree[var] + 1);
+    double from[KN_MAX_DEGREE + 1], to[KN_MAX_DEGREE + 1];
+    for (int d = var + 1; d < a->nvars; d++) step *= (size_t)a->degree[d] + 1;
+    for (int c = 0; c < out->ncomp; c++)
+        for (size_t k = 0; k < lines; k++) {
+            kn_bezier curve = {.nvars = 1, .ncomp = 1, .degree = {a->degree[var]}, .coef = from};
+            if (c < a->ncomp) line_of(from, a, c, var, k / step, k % step, step);
+            line_of(to, out, c, var, k / step, k % step, step);
+            composed(&value, &curve, c < a->ncomp ? 0 : 1, &f);
+            exact_bernstein(&value, &value, &out->degree[var]);
+            absolute(&size, &curve, c < a->ncomp ? 0 : 1, &f, 0, 0);
+            exact_bernstein(&size, &size, &out->degree[var]);
+            if (integers)
+                exact_assert_nearest(to, &value);
+            else
+                exact_judge(judge, to, &value, &size, NULL, roundings(&curve, g) + a->degree[var] + 1);
+        }
+    exact_free(&value), exact_free(&size);
+    factors_free(&f);
+}
+
+static void substitution(void **state)
+{
+    (void)state;
+    test_memory memory = TEST_MEMORY_INIT;
+    kn_ctx *ctx = test_ctx(&memory, 1);
+    test_rng rng = test_random(13);
+    exact_judge_t judge = {.name = "substitute"};
+    for (int run = 0; run < test_scale(32); run++) {
+        int nvars = test_int(&rng, 1, 3), var = test_int(&rng, 0, nvars - 1), degree[MOST], m = test_int(&rng, 0, 3);
+        for (int d = 0; d < nvars; d++) degree[d] = test_int(&rng, 0, 3);
+        exact_kind kind = run < 16 ? EXACT_INTEGERS : EXACT_UNIFORM;
+        kn_bezier a, g, out = {0};
+        exact_random_bezier(ctx, &a, &rng, nvars, 3, run & 1, degree, kind);
+        exact_random_bezier(ctx, &g, &rng, 1, 1 + (run >> 1 & 1), run & 2, &m, kind);
+        assert_int_equal(kn_bezier_substitute(ctx, &out, &a, var, &g), KN_OK);
+        assert_int_equal(out.rational, (run & 3) != 0);
+        for (int d = 0; d < nvars; d++) assert_int_equal(out.degree[d], d == var ? degree[d] * m : degree[d]);
+        judge_substitution(&judge, &out, &a, var, &g, kind == EXACT_INTEGERS);
+        kn_bezier_clear(ctx, &a), kn_bezier_clear(ctx, &g), kn_bezier_clear(ctx, &out);
+    }
+    exact_judge_end(&judge, 0.0);
+    test_ctx_end(ctx, &memory);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {cmocka_unit_test(every_pairing), cmocka_unit_test(high_degrees),
+                                       cmocka_unit_test(substitution)};
+    return cmocka_run_group_tests_name("oracle/compose", tests, NULL, NULL);
+}
