@@ -99,8 +99,8 @@ KN_API KN_CHECKED kn_status kn_spline_derivatives(kn_ctx *ctx, double *out, cons
 // as
 //         often as the continuity of the rougher operand asks. Otherwise over the product of the weights, with
 //         degrees and knots as for a product.
-// error:  polynomial: gamma(1 + e) (|a| + |b|)_k, e the roundings of elevation and knot insertion. Otherwise as a
-// product.
+// error:  polynomial: gamma(1 + e_a)|a|_k + gamma(1 + e_b)|b|_k, e_a, e_b the roundings of elevation and knot
+//         insertion, |a| and |b| elevated and refined too. Otherwise as a product.
 KN_API KN_CHECKED kn_status kn_spline_sum(kn_ctx *ctx, kn_spline *out, const kn_spline *a, const kn_spline *b);
 // out = a * b, component by component; an operand of dimension 1 multiplies every component. Weights multiply.
 // out:    degrees p + q; a knot that a has m times (0: not at all) and b has n times stays
@@ -121,12 +121,13 @@ KN_API KN_CHECKED kn_status kn_spline_cross(kn_ctx *ctx, kn_spline *out, const k
 // before
 //         but at most degree + 1 times. rational: over the square of the weight, all degrees double.
 // fails:  KN_EDOMAIN var.
-// error:  polynomial: gamma(4) |p (c_i+1 - c_i) / (t_i+p+1 - t_i+1)| with the sum of absolute values for the
-// difference.
+// error:  polynomial: gamma(4) p (|c_i+1| + |c_i|) / (t_i+p+1 - t_i+1).
 KN_API KN_CHECKED kn_status kn_spline_derivative(kn_ctx *ctx, kn_spline *out, const kn_spline *a, int var);
 // out = a with degree[d] in variable d; each knot as much more often as the degree rises.
 // fails:  KN_EDOMAIN a degree below a's; KN_ELIMIT.
-// error:  convex combinations: gamma(7 p + 2) for each step from p to p + 1, times max |c| over those that act.
+// error:  convex combinations: for each variable and each step from p to p + 1 gamma(6 V + 2 D) |a|_k, |a| elevated
+//         too: D knots are different among the p + 1 of the elevated vector between which the coefficient lies, and
+//         V have all their copies among them, one less if all have; of all coefficients the largest such number.
 // cost:   each step: prod count * (p + 1) multiply-adds, and p^3 for each coefficient of that variable.
 // source: by blossoms (Ramshaw, Blossoms are polar forms, CAGD 6, 1989); Prautzsch, CAGD 1 (1984).
 KN_API KN_CHECKED kn_status kn_spline_elevate(kn_ctx *ctx, kn_spline *out, const kn_spline *a, const int *degree);
@@ -201,9 +202,9 @@ KN_API KN_CHECKED kn_status kn_spline_isoparametric(kn_ctx *ctx, kn_spline *out,
                                                     double at);
 // Inserts n knots (any order, repeated for multiplicity) into variable var; the function is unchanged.
 // fails:  KN_EDOMAIN var, n < 0, a knot that is not inside the domain, or more than degree + 1 equal ones.
-// error:  convex combinations without any cancellation: gamma(6 p + 1) sum_k |w_ik c_k|. Coefficients that no new
-// knot
-//         concerns stay bit for bit.
+// error:  convex combinations without any cancellation: gamma(6 v + 1) sum_k w_ik |c_k|, v <= p the new
+//         knots among the p between which the coefficient lies. Coefficients that no new knot concerns stay bit for
+//         bit.
 // cost:   ncomp prod count * (p + 1) multiply-adds, and p^2 for each coefficient of that variable.
 // source: the Oslo algorithm, by blossoms; Lyche & Morken, Making the Oslo algorithm more efficient, SINUM 23 (1986).
 KN_API KN_CHECKED kn_status kn_spline_insert_knots(kn_ctx *ctx, kn_spline *out, const kn_spline *a, int var,

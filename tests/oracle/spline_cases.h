@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+// Random splines for the oracle's tests, and sums of them as piecewise polynomials.
+#ifndef TESTS_ORACLE_SPLINE_CASES_H
+#define TESTS_ORACLE_SPLINE_CASES_H
+
+#include "tests/oracle/exact.h"
+
+typedef struct spline_world {
+    test_memory memory;
+    kn_ctx *ctx;
+    test_rng rng;
+    exact value, size;
+    fmpq_t x, s;
+} spline_world;
+
+void spline_begin(spline_world *w, uint64_t salt);
+void spline_end(spline_world *w);
+
+// Calls body for random polynomial splines of one component, in one to three variables, of every kind; with knots
+// apart by anything for one of them, by integers for the others.
+typedef void (*spline_case)(spline_world *w, exact_judge_t *judge, exact_kind kind, const kn_spline *a);
+void spline_for_all(spline_world *w, exact_judge_t *judge, spline_case body);
+
+// s[0], or s[0] + s[1] (less: s[0] - s[1]), or with absolute values of all coefficients.
+typedef struct spline_sum {
+    const kn_spline *s[2];
+    bool absolute, minus;
+    int times[2]; // that the absolute values count (0: once)
+} spline_sum;
+// Judges r's coefficients against the sum on r's knots, and gamma(roundings) times that of absolute values.
+void spline_judge_sum(spline_world *w, exact_judge_t *judge, const kn_spline *r, spline_sum f, const int *roundings,
+                      int all);
+
+#endif
