@@ -5,7 +5,7 @@
 
 #include "spline/internal.h"
 
-// In place, new arrays in scratch: the derivative of every component in var, degree[var] > 0.
+// In place, new arrays in scratch: the derivative of every component in var, degree[var] > 0. error: gamma(4)|c_k|.
 kn_status kn_spline_differentiate_in_scratch(kn_ctx *ctx, kn_spline *s, int var);
 // The grid on which all first partials of a lie at a's degrees: interior knots once more often, at most degree + 1
 // times. *to = a's shape with these knots; coefficients NULL; all in scratch.

@@ -15,33 +15,43 @@ static kn_status rational_piece(kn_ctx *ctx, kn_bezier *out, const kn_bezier *a,
 }
 
 // Coefficients p (c_i+1 - c_i) / (t_i+p+1 - t_i+1) on the same knots, those of multiplicity p + 1 once less: where a
-// whole interval is empty (a jump) there is no such coefficient.
-static int difference_rows(kn_band *band, double *to, const double *knots, int degree, int count)
+// whole interval is empty (a jump) there is no such coefficient. The knots too are written; the count is the result.
+static int difference_knots(double *to, const double *knots, int degree, int count)
 {
     int rows = 0;
-    for (int i = 0; i + 1 < count; i++) {
-        double length = knots[i + degree + 1] - knots[i + 1];
-        if (!(length > 0.0)) continue;
-        band->first[rows] = i;
-        band->w[2 * rows] = -degree / length;
-        band->w[2 * rows + 1] = degree / length;
-        to[rows++] = knots[i + 1];
-    }
+    for (int i = 0; i + 1 < count; i++)
+        if (knots[i + degree + 1] > knots[i + 1]) to[rows++] = knots[i + 1];
     for (int k = 0; k < degree; k++) to[rows + k] = knots[count];
     return rows;
+}
+
+// Differences come first: what neighbours have in common is gone before anything is rounded much.
+static void difference(double *to, const double *from, const double *knots, int p, int count, size_t outer,
+                       size_t inner)
+{
+    for (size_t o = 0; o < outer; o++, from += inner) // the last row has no successor
+        for (int i = 0; i + 1 < count; i++, from += inner) {
+            double length = knots[i + p + 1] - knots[i + 1];
+            if (!(length > 0.0)) continue;
+            for (size_t j = 0; j < inner; j++) to[j] = p * (from[inner + j] - from[j]) / length;
+            to += inner;
+        }
 }
 
 kn_status kn_spline_differentiate_in_scratch(kn_ctx *ctx, kn_spline *s, int var)
 {
     int p = s->degree[var], count = s->count[var];
-    kn_band band;
-    double *to = kn_scratch(ctx, (size_t)count + (size_t)p, sizeof *to);
-    kn_status status = to ? kn_spline_band(ctx, &band, count, 2) : KN_ENOMEM;
-    if (status == KN_OK) {
-        band.rows = difference_rows(&band, to, s->knots[var], p, count);
-        status = kn_spline_map_in_scratch(ctx, s, var, p - 1, to, &band);
-    }
-    return status;
+    double *knots = kn_scratch(ctx, (size_t)count + (size_t)p, sizeof *knots);
+    if (!knots) return KN_ENOMEM;
+    kn_spline to = *s;
+    to.degree[var]--;
+    to.knots[var] = knots;
+    to.count[var] = difference_knots(knots, s->knots[var], p, count);
+    to.coef = kn_scratch(ctx, kn_spline_count(&to) * (size_t)s->ncomp, sizeof *to.coef);
+    if (!to.coef) return KN_ENOMEM;
+    difference(to.coef, s->coef, s->knots[var], p, count, kn_spline_outer(s, var), kn_spline_inner(s, var));
+    *s = to;
+    return KN_OK;
 }
 
 kn_status kn_spline_derivative(kn_ctx *ctx, kn_spline *out, const kn_spline *a, int var)

@@ -193,16 +193,33 @@ KN_API KN_CHECKED kn_status kn_bezier_subdivide(kn_ctx *ctx, kn_bezier *left, kn
 KN_API KN_CHECKED kn_status kn_bezier_restrict(kn_ctx *ctx, kn_bezier *out, const kn_bezier *a, const double *lo,
                                                const double *hi);
 // ---- bounds: rounding included, so that what they exclude is excluded ----
-// A box that contains a over [lo,hi] (both NULL: [0,1]^nvars): dim numbers each.
+// A box that contains a over [lo,hi] (both NULL: [0,1]^nvars): that of the coefficients there, dim numbers each.
+// in:     nvars finite numbers lo <= hi each, also beyond [0,1].
+// out:    over [0,1]^nvars the tightest doubles around the (projected) coefficients; elsewhere widened by the error of
+//         the restriction, with the sizes of the absolute values there. [-infinity, infinity] where a number is a NaN.
+// fails:  KN_EDOMAIN the box, or a weight whose coefficients there, less their error, are not all positive.
+// cost:   twice kn_bezier_restrict; none of it over [0,1]^nvars.
 KN_API KN_CHECKED kn_status kn_bezier_box(kn_ctx *ctx, double *box_lo, double *box_hi, const kn_bezier *a,
                                           const double *lo, const double *hi);
 // A box with turned axes: { center + sum_i s_i axis[i], |s_i| <= half[i] }, axis[i] orthonormal within rounding.
 typedef struct kn_oriented_box {
     double center[3], axis[3][3], half[3];
 } kn_oriented_box;
-// A small oriented box that contains a (dimension 2 or 3) over [0,1]^nvars.
+// A small oriented box that contains a (dimension 2 or 3) over [0,1]^nvars: the smallest surface among boxes along the
+// axes of coordinates, the principal axes of the control points, and chords across the piece.
+// out:    every point of a is center + sum_i s_i axis[i] with |s_i| <= half[i], for the axes as stored, which are
+//         orthonormal but for about 1e-15. Dimension 2: axis[2] = (0,0,1), half[2] = 0. Where a control point is not
+//         finite, half is infinite.
+// fails:  KN_EDOMAIN another dimension, or a weight that is not positive.
+// cost:   about 60 dim operations a control point.
+// source: Gottschalk, Lin & Manocha, OBBTree, SIGGRAPH 1996 (principal axes).
 KN_API KN_CHECKED kn_status kn_bezier_oriented_box(kn_ctx *ctx, kn_oriented_box *out, const kn_bezier *a);
-// out[d] >= |derivative of a in variable d| (Euclidean norm) over [0,1]^nvars: nvars numbers.
+// out[d] >= |derivative of a in variable d| (Euclidean norm) over [0,1]^nvars: nvars numbers, from the coefficients of
+// the derivative; of a rational piece those of N' w - w' N over those of w^2. Translations of a change nothing but
+// rounding.
+// out:    INFINITY where numbers overflow.
+// fails:  rational: KN_EDOMAIN a weight that is not positive; KN_ELIMIT degrees whose doubles pass KN_MAX_DEGREE.
+// cost:   as the derivatives; rational twice that.
 KN_API KN_CHECKED kn_status kn_bezier_lipschitz(kn_ctx *ctx, double *out, const kn_bezier *a);
 
 // Removes the factor x_var^k (at_end false) or (1 - x_var)^k (at_end true) that all of a's coefficients share, with

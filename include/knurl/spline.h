@@ -52,8 +52,16 @@ KN_API void kn_spline_domain(const kn_spline *s, int var, double *lo, double *hi
 KN_API int kn_spline_spans(const kn_spline *s, int var);
 // The box of the control points (projected when rational): dim numbers each. It contains the whole spline.
 // fails:  KN_EDOMAIN a weight that is not positive.
-// error:  exact; rational: gamma(1) of each end, by the division.
+// error:  none: the tightest doubles outside; rational quotients are rounded outwards.
 KN_API KN_CHECKED kn_status kn_spline_box(kn_ctx *ctx, double *lo, double *hi, const kn_spline *s);
+// A box that contains s over [lo,hi], dim numbers each: that of the coefficients there, rounding included.
+// in:     nvars finite numbers lo <= hi each, also beyond the domain, where the end pieces go on.
+// fails:  KN_EDOMAIN the box, or a weight whose coefficients there, less their error, are not all positive.
+// cost:   twice kn_spline_restrict.
+KN_API KN_CHECKED kn_status kn_spline_box_over(kn_ctx *ctx, double *box_lo, double *box_hi, const kn_spline *s,
+                                               const double *lo, const double *hi);
+// As kn_bezier_oriented_box, for the control points of s.
+KN_API KN_CHECKED kn_status kn_spline_oriented_box(kn_ctx *ctx, kn_oriented_box *out, const kn_spline *s);
 
 // ---- values: parameters outside the domain extend the end pieces; at a knot the right-hand piece counts ----
 // out = s(at), dim numbers, of a rational spline after division by the weight.
@@ -121,7 +129,7 @@ KN_API KN_CHECKED kn_status kn_spline_cross(kn_ctx *ctx, kn_spline *out, const k
 // before
 //         but at most degree + 1 times. rational: over the square of the weight, all degrees double.
 // fails:  KN_EDOMAIN var.
-// error:  polynomial: gamma(4) p (|c_i+1| + |c_i|) / (t_i+p+1 - t_i+1).
+// error:  polynomial: gamma(4)|c_k|: p (c_i+1 - c_i) / (t_i+p+1 - t_i+1), differences first.
 KN_API KN_CHECKED kn_status kn_spline_derivative(kn_ctx *ctx, kn_spline *out, const kn_spline *a, int var);
 // out = a with degree[d] in variable d; each knot as much more often as the degree rises.
 // fails:  KN_EDOMAIN a degree below a's; KN_ELIMIT.
@@ -171,7 +179,9 @@ KN_API KN_CHECKED kn_status kn_spline_gradient(kn_ctx *ctx, kn_spline *out, cons
 // fails:  KN_EDOMAIN dim is not nvars; KN_ELIMIT as said.
 // error:  the sum of those of the gradient, and gamma(nvars - 1) of the sum of absolute values.
 KN_API KN_CHECKED kn_status kn_spline_divergence(kn_ctx *ctx, kn_spline *out, const kn_spline *a);
-// out[d] >= |derivative of a in variable d| (Euclidean norm) over the domain: nvars numbers.
+// out[d] >= |derivative of a in variable d| (Euclidean norm) over the domain: nvars numbers. At knots both sides count;
+// the height of a jump does not.
+// fails, source: as kn_bezier_lipschitz. cost: as kn_spline_derivative; rational: two products for each piece.
 KN_API KN_CHECKED kn_status kn_spline_lipschitz(kn_ctx *ctx, double *out, const kn_spline *a);
 
 // ---- pieces ----
