@@ -18,6 +18,19 @@ kn_status kn_fit_expect(kn_ctx *ctx, const char *call, int nvars, int dim, const
     return status;
 }
 
+kn_status kn_fit_start(kn_ctx *ctx, const char *call, kn_spline *s, int nvars, int dim, const int *degree,
+                       const int *count, const double *const *knots)
+{
+    kn_status status = kn_fit_expect(ctx, call, nvars, dim, degree, count, knots);
+    if (status != KN_OK) return status;
+    *s = (kn_spline){.nvars = nvars, .ncomp = dim};
+    for (int d = 0; d < nvars; d++) s->degree[d] = degree[d], s->count[d] = count[d];
+    status = kn_spline_in_scratch(ctx, call, s);
+    for (int d = 0; d < nvars && status == KN_OK; d++)
+        memcpy(s->knots[d], knots[d], (size_t)(count[d] + degree[d] + 1) * sizeof *s->knots[d]);
+    return status;
+}
+
 kn_status kn_fit_expect_axis(kn_ctx *ctx, const char *call, const double *knots, int degree, int count)
 {
     return kn_fit_expect(ctx, call, 1, 1, &degree, &count, &knots);
@@ -140,11 +153,4 @@ void kn_fit_put_free(double *coef, const double *free, int nvars, int dim, const
         size_t place = free_place(i, nvars, count, fixed);
         for (size_t c = 0; c < (size_t)dim && place != SIZE_MAX; c++) coef[c * n + i] = free[c * nfree + place];
     }
-}
-
-kn_status kn_fit_finish(kn_ctx *ctx, kn_spline *out, kn_spline *result, kn_status status)
-{
-    if (status == KN_OK) kn_spline_swap(out, result);
-    kn_spline_clear(ctx, result);
-    return status;
 }

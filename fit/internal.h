@@ -10,7 +10,10 @@
 // KN_OK when a spline may have this shape and these knots.
 kn_status kn_fit_expect(kn_ctx *ctx, const char *call, int nvars, int dim, const int *degree, const int *count,
                         const double *const *knots);
-// The same for one variable.
+// *s = a polynomial spline in scratch with this shape and these knots, checked so; coefficients not filled.
+kn_status kn_fit_start(kn_ctx *ctx, const char *call, kn_spline *s, int nvars, int dim, const int *degree,
+                       const int *count, const double *const *knots);
+// The same check for one variable.
 kn_status kn_fit_expect_axis(kn_ctx *ctx, const char *call, const double *knots, int degree, int count);
 
 // One variable of a grid of data.
@@ -49,9 +52,8 @@ void kn_fit_put_free(double *coef, const double *free, int nvars, int dim, const
 // (Greville's, increasing) to coefficients.
 kn_status kn_fit_quasi_band(kn_ctx *ctx, kn_band *band, const double *knots, int degree, int count,
                             const double *sites);
-// s, of any shape, becomes the quasi-interpolant of a function.
-kn_status kn_fit_quasi_fill(kn_ctx *ctx, kn_spline *s, kn_fit_function function, void *user);
-// A fit's output: on KN_OK out becomes *result; the other is cleared. Answers status.
-kn_status kn_fit_finish(kn_ctx *ctx, kn_spline *out, kn_spline *result, kn_status status);
+// s->coef becomes the function's values on the grid of sites, and values become the quasi-interpolant's coefficients.
+kn_status kn_fit_sample(kn_ctx *ctx, kn_spline *s, double *const *sites, kn_fit_function function, void *user);
+kn_status kn_fit_quasi_apply(kn_ctx *ctx, kn_spline *s, double *const *sites);
 
 #endif

@@ -33,14 +33,16 @@ static kn_status solve_axis(kn_ctx *ctx, kn_spline *s, int var, const double *si
 kn_status kn_fit_interpolate(kn_ctx *ctx, kn_spline *out, int nvars, int dim, const int *degree, const int *count,
                              const double *const *knots, const double *const *sites, const double *values)
 {
-    kn_spline s = {0};
-    kn_status status = kn_fit_expect(ctx, "fit_interpolate", nvars, dim, degree, count, knots);
-    if (status == KN_OK) status = kn_spline_init(ctx, &s, nvars, dim, false, degree, count, knots, NULL);
-    if (status == KN_OK) kn_fit_by_component(s.coef, values, kn_spline_count(&s), dim);
+    kn_spline s;
     kn_mark mark = kn_scratch_mark(ctx);
+    kn_status status = kn_fit_start(ctx, "fit_interpolate", &s, nvars, dim, degree, count, knots);
+    if (status == KN_OK) kn_fit_by_component(s.coef, values, kn_spline_count(&s), dim);
     for (int d = 0; d < nvars && status == KN_OK; d++) {
+        kn_mark axis = kn_scratch_mark(ctx);
         status = solve_axis(ctx, &s, d, sites[d]);
-        kn_scratch_release(ctx, mark);
+        kn_scratch_release(ctx, axis);
     }
-    return kn_fit_finish(ctx, out, &s, status);
+    if (status == KN_OK) status = kn_spline_store(ctx, out, &s);
+    kn_scratch_release(ctx, mark);
+    return status;
 }

@@ -165,7 +165,7 @@ static kn_status fit(kn_ctx *ctx, kn_spline *s, double *residual, const int *nsi
     status = solve(ctx, &w, &data, other);
     if (status != KN_OK) return status;
     kn_fit_put_free(s->coef, data, s->nvars, w.dim, s->count, fixed);
-    if (residual) *residual = largest_distance(at_sites(&w, s->coef, s->count), f, n, w.dim);
+    *residual = largest_distance(at_sites(&w, s->coef, s->count), f, n, w.dim);
     return KN_OK;
 }
 
@@ -173,11 +173,13 @@ kn_status kn_fit_least_squares(kn_ctx *ctx, kn_spline *out, double *residual, in
                                const int *count, const double *const *knots, const int *nsites,
                                const double *const *sites, const double *values, const kn_fit_fixed *fixed)
 {
-    kn_spline s = {0};
-    kn_status status = kn_fit_expect(ctx, call, nvars, dim, degree, count, knots);
-    if (status == KN_OK) status = kn_spline_init(ctx, &s, nvars, dim, false, degree, count, knots, NULL);
+    kn_spline s;
+    double found;
     kn_mark mark = kn_scratch_mark(ctx);
-    if (status == KN_OK) status = fit(ctx, &s, residual, nsites, sites, values, fixed);
+    kn_status status = kn_fit_start(ctx, call, &s, nvars, dim, degree, count, knots);
+    if (status == KN_OK) status = fit(ctx, &s, &found, nsites, sites, values, fixed);
+    if (status == KN_OK) status = kn_spline_store(ctx, out, &s);
+    if (status == KN_OK && residual) *residual = found;
     kn_scratch_release(ctx, mark);
-    return kn_fit_finish(ctx, out, &s, status);
+    return status;
 }

@@ -20,7 +20,7 @@ static kn_status find_sites(kn_ctx *ctx, double **sites, const kn_spline *s)
     return KN_OK;
 }
 
-static kn_status sample(kn_ctx *ctx, kn_spline *s, double *const *sites, kn_fit_function function, void *user)
+kn_status kn_fit_sample(kn_ctx *ctx, kn_spline *s, double *const *sites, kn_fit_function function, void *user)
 {
     size_t n = kn_spline_count(s);
     int k[KN_MAX_VARS] = {0};
@@ -28,21 +28,19 @@ static kn_status sample(kn_ctx *ctx, kn_spline *s, double *const *sites, kn_fit_
     for (size_t i = 0; i < n; i++) {
         for (int d = 0; d < s->nvars; d++) at[d] = sites[d][k[d]];
         kn_status status = function(user, value, at);
-        if (status != KN_OK) return kn_fail(ctx, status, "fit_quasi: the function failed at site %zu", i);
+        if (status != KN_OK) return kn_fail(ctx, status, "fit: the function failed at site %zu", i);
         for (size_t c = 0; c < (size_t)s->ncomp; c++) s->coef[c * n + i] = value[c];
         for (int d = s->nvars - 1; d >= 0 && ++k[d] == s->count[d]; d--) k[d] = 0;
     }
     return KN_OK;
 }
 
-kn_status kn_fit_quasi_fill(kn_ctx *ctx, kn_spline *s, kn_fit_function function, void *user)
+kn_status kn_fit_quasi_apply(kn_ctx *ctx, kn_spline *s, double *const *sites)
 {
     kn_mark mark = kn_scratch_mark(ctx);
-    double *sites[KN_MAX_VARS];
     size_t n = kn_spline_count(s) * (size_t)s->ncomp;
     double *work = kn_scratch(ctx, n, sizeof *work);
-    kn_status status = work ? find_sites(ctx, sites, s) : KN_ENOMEM;
-    if (status == KN_OK) status = sample(ctx, s, sites, function, user);
+    kn_status status = work ? KN_OK : KN_ENOMEM;
     for (int d = 0; d < s->nvars && status == KN_OK; d++) {
         kn_mark inner = kn_scratch_mark(ctx);
         kn_band band;
@@ -60,9 +58,14 @@ kn_status kn_fit_quasi_fill(kn_ctx *ctx, kn_spline *s, kn_fit_function function,
 kn_status kn_fit_quasi(kn_ctx *ctx, kn_spline *out, int nvars, int dim, const int *degree, const int *count,
                        const double *const *knots, kn_fit_function function, void *user)
 {
-    kn_spline s = {0};
-    kn_status status = kn_fit_expect(ctx, "fit_quasi", nvars, dim, degree, count, knots);
-    if (status == KN_OK) status = kn_spline_init(ctx, &s, nvars, dim, false, degree, count, knots, NULL);
-    if (status == KN_OK) status = kn_fit_quasi_fill(ctx, &s, function, user);
-    return kn_fit_finish(ctx, out, &s, status);
+    kn_spline s;
+    double *sites[KN_MAX_VARS];
+    kn_mark mark = kn_scratch_mark(ctx);
+    kn_status status = kn_fit_start(ctx, "fit_quasi", &s, nvars, dim, degree, count, knots);
+    if (status == KN_OK) status = find_sites(ctx, sites, &s);
+    if (status == KN_OK) status = kn_fit_sample(ctx, &s, sites, function, user);
+    if (status == KN_OK) status = kn_fit_quasi_apply(ctx, &s, sites);
+    if (status == KN_OK) status = kn_spline_store(ctx, out, &s);
+    kn_scratch_release(ctx, mark);
+    return status;
 }

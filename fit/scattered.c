@@ -227,7 +227,7 @@ static kn_status fit(kn_ctx *ctx, problem *w, kn_spline *s, double *residual, co
     if (!free) return KN_ENOMEM;
     kn_fit_by_component(free, w->x, (size_t)w->columns, s->ncomp);
     kn_fit_put_free(s->coef, free, s->nvars, s->ncomp, s->count, fixed);
-    if (residual) *residual = largest_distance(w);
+    *residual = largest_distance(w);
     return KN_OK;
 }
 
@@ -235,12 +235,14 @@ kn_status kn_fit_scattered(kn_ctx *ctx, kn_spline *out, double *residual, int nv
                            const int *count, const double *const *knots, size_t npoints, const double *at,
                            const double *values, const double *weights, const kn_fit_fixed *fixed)
 {
-    kn_spline s = {0};
-    kn_status status = kn_fit_expect(ctx, call, nvars, dim, degree, count, knots);
-    if (status == KN_OK) status = kn_spline_init(ctx, &s, nvars, dim, false, degree, count, knots, NULL);
+    kn_spline s;
+    double found;
     kn_mark mark = kn_scratch_mark(ctx);
+    kn_status status = kn_fit_start(ctx, call, &s, nvars, dim, degree, count, knots);
     problem w = {.s = &s, .npoints = npoints, .at = at, .values = values, .weights = weights};
-    if (status == KN_OK) status = fit(ctx, &w, &s, residual, fixed);
+    if (status == KN_OK) status = fit(ctx, &w, &s, &found, fixed);
+    if (status == KN_OK) status = kn_spline_store(ctx, out, &s);
+    if (status == KN_OK && residual) *residual = found;
     kn_scratch_release(ctx, mark);
-    return kn_fit_finish(ctx, out, &s, status);
+    return status;
 }

@@ -133,7 +133,7 @@ KN_API KN_CHECKED kn_status kn_fit_quasi(kn_ctx *ctx, kn_spline *out, int nvars,
 // *estimate (NULL: not wanted) the largest distance at the samples: an estimate, no bound. Features of the
 //         function that fall between all samples are not seen.
 // fails:  KN_EDOMAIN; KN_EUNDECIDED more than max_count control points in one variable would be needed (0: 4096).
-// cost:   about 2 + nvars values of the function for each control point of the last round, and rounds before.
+// cost:   each round: 1 + 2 nvars values of the function for each control point, the last 2^nvars more; rounds grow.
 KN_API KN_CHECKED kn_status kn_fit_to_tolerance(kn_ctx *ctx, kn_spline *out, double *estimate, int nvars, int dim,
                                                 const int *degree, const double *lo, const double *hi,
                                                 kn_fit_function function, void *user, double tolerance,
