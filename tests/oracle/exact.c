@@ -91,6 +91,22 @@ void exact_of_array(exact *out, int nvars, const int *degree, const double *arra
     fmpz_mul_2exp(out->den, out->den, (ulong)-least);
 }
 
+void exact_of_fractions(exact *out, int nvars, const int *degree, const fmpq *array)
+{
+    exact a = exact_new();
+    fmpz_t rise;
+    fmpz_init(rise);
+    exact_shape(&a, nvars, degree);
+    size_t n = exact_count(&a);
+    for (size_t i = 0; i < n; i++) fmpz_lcm(a.den, a.den, fmpq_denref(array + i));
+    for (size_t i = 0; i < n; i++) {
+        fmpz_divexact(rise, a.den, fmpq_denref(array + i));
+        fmpz_mul(a.num + i, fmpq_numref(array + i), rise);
+    }
+    exact_swap(out, &a);
+    exact_free(&a), fmpz_clear(rise);
+}
+
 void exact_constant(exact *out, int nvars, double value)
 {
     const int degree[KN_MAX_VARS] = {0};

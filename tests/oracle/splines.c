@@ -61,20 +61,16 @@ void exact_basis(exact *out, int *first, const kn_spline *s, int var, double at)
     int p = s->degree[var], span = span_of(s, var, at);
     const int square[2] = {p, p};
     fmpq_poly_t *basis = calloc((size_t)p + 1, sizeof *basis);
-    fmpq_t x;
     assert_non_null(basis);
-    fmpq_init(x);
     for (int k = 0; k <= p; k++) fmpq_poly_init(basis[k]);
     basis_polynomials(basis, s->knots[var], p, span);
-    exact_shape(out, 2, square);
+    fmpq *all = _fmpq_vec_init((p + 1) * (p + 1));
     for (int k = 0; k <= p; k++)
-        for (int j = 0; j <= p; j++) {
-            fmpq_poly_get_coeff_fmpq(x, basis[k], j);
-            exact_set(out, (size_t)(j * (p + 1) + k), x);
-        }
+        for (int j = 0; j <= p; j++) fmpq_poly_get_coeff_fmpq(all + j * (p + 1) + k, basis[k], j);
+    exact_of_fractions(out, 2, square, all);
+    _fmpq_vec_clear(all, (p + 1) * (p + 1));
     *first = span - p;
     for (int k = 0; k <= p; k++) fmpq_poly_clear(basis[k]);
-    fmpq_clear(x);
     free(basis);
 }
 
@@ -143,14 +139,13 @@ static void dual(exact *out, const double *args, int p, int k_most)
 
 void exact_spline_coefs(exact *out, const kn_spline *r, exact_piece f, void *user)
 {
-    int index[KN_MAX_VARS] = {0}, shape[KN_MAX_VARS], d = 0;
+    int index[KN_MAX_VARS] = {0}, shape[KN_MAX_VARS], d;
     double at[KN_MAX_VARS], last[KN_MAX_VARS] = {0};
-    exact piece = exact_new(), value = exact_new(), row = exact_new(), all = exact_new();
-    fmpq_t x;
-    fmpq_init(x);
+    exact piece = exact_new(), value = exact_new(), row = exact_new();
+    size_t n = kn_spline_count(r);
+    fmpq *all = _fmpq_vec_init((slong)n);
     for (d = 0; d < r->nvars; d++) shape[d] = r->count[d] - 1;
-    exact_shape(&all, r->nvars, shape);
-    for (size_t i = 0; d >= 0; i++) {
+    for (size_t i = 0; i < n; i++) {
         bool same = i > 0;
         for (d = 0; d < r->nvars; d++) {
             int j = index[d];
@@ -165,10 +160,10 @@ void exact_spline_coefs(exact *out, const kn_spline *r, exact_piece f, void *use
             dual(&row, r->knots[d] + index[d] + 1, r->degree[d], value.degree[d]);
             exact_map(&value, &value, d, &row);
         }
-        exact_get(x, &value, 0);
-        exact_set(&all, i, x);
+        exact_get(all + i, &value, 0);
         for (d = r->nvars - 1; d >= 0 && ++index[d] > shape[d]; d--) index[d] = 0;
     }
-    exact_swap(out, &all);
-    exact_free(&piece), exact_free(&value), exact_free(&row), exact_free(&all), fmpq_clear(x);
+    exact_of_fractions(out, r->nvars, shape, all);
+    _fmpq_vec_clear(all, (slong)n);
+    exact_free(&piece), exact_free(&value), exact_free(&row);
 }

@@ -219,24 +219,31 @@ static void size_matrix(exact *out, int n, double lo, double hi)
     const int line = 1, square[2] = {n, n};
     const double unit[2] = {1.0, 0.0}, low[2] = {-lo, lo}, high[2] = {-hi, hi};
     exact one = exact_new(), a = exact_new(), b = exact_new(), row = exact_new();
-    fmpq_t x;
-    fmpq_init(x);
     exact_of_array(&one, 1, &line, unit, false);
     exact_of_array(&a, 1, &line, low, false);
     exact_of_array(&b, 1, &line, high, false);
     exact_add(&a, &a, &one), exact_abs(&a);
     exact_add(&b, &b, &one), exact_abs(&b);
-    exact_shape(out, 2, square);
-    for (int i = 0; i <= n; i++) {
-        exact_constant(&row, 1, 1.0);
-        for (int k = 0; k < n; k++) exact_mul(&row, &row, k < i ? &b : &a);
-        for (int k = 0; k <= n; k++) {
-            exact_get(x, &row, (size_t)k);
-            exact_set(out, (size_t)(i * (n + 1) + k), x);
-        }
+    size_t m = (size_t)n + 1;
+    fmpq *all = _fmpq_vec_init((slong)(m * m));
+    exact first = exact_new(); // a^(n-i), from the last row back
+    exact_constant(&first, 1, 1.0);
+    exact *powers = calloc(m, sizeof *powers);
+    assert_non_null(powers);
+    for (size_t i = m; i-- > 0; exact_mul(&first, &first, &a)) {
+        powers[i] = exact_new();
+        exact_copy(&powers[i], &first);
     }
-    fmpq_clear(x);
-    exact_free(&one), exact_free(&a), exact_free(&b), exact_free(&row);
+    exact_constant(&first, 1, 1.0);
+    for (size_t i = 0; i < m; i++, exact_mul(&first, &first, &b)) {
+        exact_mul(&row, &powers[i], &first);
+        for (size_t k = 0; k < m; k++) exact_get(all + i * m + k, &row, k);
+        exact_free(&powers[i]);
+    }
+    exact_of_fractions(out, 2, square, all);
+    _fmpq_vec_clear(all, (slong)(m * m));
+    free(powers);
+    exact_free(&one), exact_free(&a), exact_free(&b), exact_free(&row), exact_free(&first);
 }
 
 // Bernstein coefficients over the box, and the same expression with absolute values.
