@@ -1,69 +1,154 @@
 // SPDX-License-Identifier: Apache-2.0
 // Sums of products of components, on scaled coefficients.
 #include "bezier/combine.h"
-#include "kernel/bernstein.h"
 
 #include <string.h>
 
-// An operand made ready: its components scaled, behind them the constant 1 if a weight is wanted that it lacks.
-typedef struct factor {
-    double *scaled;
-    size_t *place; // of its coefficients in the result
-    size_t count;
-    int row;
-} factor;
-
-static bool factor_init(kn_ctx *ctx, factor *f, const kn_bezier *a, const int *target, bool one)
+// ---- lists of terms ----
+int kn_product_terms(kn_term *terms, int na, int nb, bool rational)
 {
-    size_t n = kn_bezier_count(a), ncomp = (size_t)a->ncomp;
-    double *weight = kn_scratch(ctx, n, sizeof *weight);
-    *f = (factor){.count = n, .row = a->nvars ? a->degree[a->nvars - 1] + 1 : 1};
-    f->scaled = kn_scratch(ctx, n * (ncomp + one), sizeof *f->scaled);
-    f->place = kn_scratch(ctx, n, sizeof *f->place);
-    if (!weight || !f->scaled || !f->place) return false;
-    kn_bernstein_weights(weight, a->nvars, a->degree);
-    kn_bernstein_places(f->place, a->nvars, a->degree, target);
-    for (size_t c = 0; c < ncomp; c++)
-        for (size_t i = 0; i < n; i++) f->scaled[c * n + i] = weight[i] * a->coef[c * n + i];
-    if (one) memcpy(f->scaled + ncomp * n, weight, n * sizeof *weight);
-    return true;
+    int dim = na > nb ? na : nb;
+    for (int i = 0; i < dim; i++) terms[i] = (kn_term){i, na > 1 ? i : 0, nb > 1 ? i : 0, 1.0};
+    terms[dim] = (kn_term){dim, na, nb, 1.0};
+    return dim + rational;
 }
 
-static void accumulate(kn_bezier *result, const factor *f, const factor *g, const kn_term *t)
+int kn_dot_terms(kn_term *terms, int dim, bool rational)
 {
-    kn_bernstein_convolve(kn_bezier_comp(result, t->to), f->scaled + (size_t)t->a * f->count, f->place, f->count,
-                          g->scaled + (size_t)t->b * g->count, g->place, g->count, g->row, t->sign);
+    for (int i = 0; i < dim; i++) terms[i] = (kn_term){0, i, i, 1.0};
+    terms[dim] = (kn_term){1, dim, dim, 1.0};
+    return dim + rational;
 }
 
-// Whether a term wants the weight of a polynomial operand (which: 0 the first, 1 the second).
-static bool wants_one(const kn_bezier *x, const kn_term *terms, int nterms, int which)
+int kn_cross_terms(kn_term *terms, bool rational)
+{
+    for (int i = 0; i < 3; i++) {
+        int j = (i + 1) % 3, k = (i + 2) % 3;
+        terms[2 * i] = (kn_term){i, j, k, 1.0};
+        terms[2 * i + 1] = (kn_term){i, k, j, -1.0};
+    }
+    terms[6] = (kn_term){3, 3, 3, 1.0};
+    return 6 + rational;
+}
+
+int kn_sum_terms(kn_term *terms, int dim, double sign)
+{
+    for (int i = 0; i < dim; i++) {
+        terms[2 * i] = (kn_term){i, i, dim, 1.0};
+        terms[2 * i + 1] = (kn_term){i, dim, i, sign};
+    }
+    terms[2 * dim] = (kn_term){dim, dim, dim, 1.0};
+    return 2 * dim + 1;
+}
+
+// ---- steps ----
+void kn_operand_init(kn_operand *o, const kn_bezier *a, bool with_one)
+{
+    size_t step = 1;
+    for (int d = a->nvars - 1; d >= 0; d--) o->step[d] = step, step *= (size_t)a->degree[d] + 1;
+    o->coef = a->coef, o->component = step, o->ncomp = a->ncomp, o->with_one = with_one, o->unscaled = false;
+}
+
+bool kn_terms_want(const kn_term *terms, int nterms, int which, int n)
 {
     bool wanted = false;
-    for (int i = 0; i < nterms; i++) wanted |= (which ? terms[i].b : terms[i].a) == x->ncomp;
+    for (int i = 0; i < nterms; i++) wanted |= (which ? terms[i].b : terms[i].a) == n;
     return wanted;
+}
+
+kn_status kn_pairing_init(kn_ctx *ctx, kn_pairing *p, int nvars, const int *da, const int *db, int na, int nb,
+                          int ncomp)
+{
+    kn_convolution_init(&p->plan, kn_convolve_best(), nvars, da, db);
+    p->ncomp = ncomp;
+    p->thin_comps = (size_t)(p->plan.swapped ? nb : na), p->wide_comps = (size_t)(p->plan.swapped ? na : nb);
+    size_t thin = p->thin_comps * p->plan.thin_room, wide = p->wide_comps * p->plan.wide_room;
+    p->thin = kn_scratch(ctx, thin + wide + (size_t)ncomp * p->plan.sum_room, sizeof *p->thin);
+    if (!p->thin) return KN_ENOMEM;
+    p->wide = p->thin + thin, p->sums = p->wide + wide;
+    return KN_OK;
+}
+
+// Its Bernstein coefficients, one step of 0 in each variable apart.
+static const double one[KN_MAX_DEGREE + 1] = {
+    1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1,
+    1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1,
+};
+
+static void pack(const kn_convolution *plan, double *to, const kn_operand *o, bool thin)
+{
+    static const size_t still[KN_MAX_VARS] = {0};
+    size_t room = thin ? plan->thin_room : plan->wide_room;
+    for (int c = 0; c < o->ncomp + o->with_one; c++, to += room) {
+        const double *from = c < o->ncomp ? o->coef + (size_t)c * o->component : one;
+        const size_t *step = c < o->ncomp ? o->step : still;
+        if (thin)
+            kn_convolution_pack_thin(plan, to, from, step, !o->unscaled);
+        else
+            kn_convolution_pack_wide(plan, to, from, step, !o->unscaled);
+    }
+}
+
+void kn_pairing_run(const kn_pairing *p, const kn_operand *a, const kn_operand *b, const kn_term *terms, int nterms)
+{
+    const kn_convolution *plan = &p->plan;
+    pack(plan, p->thin, plan->swapped ? b : a, true);
+    pack(plan, p->wide, plan->swapped ? a : b, false);
+    for (size_t c = 0; c < (size_t)p->ncomp; c++) kn_convolution_clear(plan, p->sums + c * plan->sum_room);
+    for (const kn_term *t = terms; t < terms + nterms; t++) {
+        size_t i = (size_t)(plan->swapped ? t->b : t->a), j = (size_t)(plan->swapped ? t->a : t->b);
+        kn_convolution_run(plan, p->sums + (size_t)t->to * plan->sum_room, p->thin + i * plan->thin_room,
+                           p->wide + j * plan->wide_room, t->sign);
+    }
+}
+
+void kn_pairing_result(kn_operand *o, const kn_pairing *p)
+{
+    o->coef = p->sums, o->component = p->plan.sum_room, o->ncomp = p->ncomp, o->with_one = false, o->unscaled = true;
+    memcpy(o->step, p->plan.sum_step, sizeof o->step);
+}
+
+void kn_pairing_store(const kn_pairing *p, double *out, size_t component, const size_t *step)
+{
+    for (size_t c = 0; c < (size_t)p->ncomp; c++)
+        kn_convolution_divide(&p->plan, out + c * component, step, p->sums + c * p->plan.sum_room);
+}
+
+// ---- pieces ----
+kn_status kn_bezier_combine_to(kn_ctx *ctx, const char *what, kn_bezier *out, kn_bezier *c, const kn_bezier *a,
+                               const kn_bezier *b, const kn_term *terms, int nterms)
+{
+    for (int d = 0; d < a->nvars; d++) c->degree[d] = a->degree[d] + b->degree[d];
+    kn_status status = kn_bezier_check(ctx, what, c->nvars, c->ncomp, c->rational, c->degree);
+    if (status != KN_OK) return status;
+    kn_mark mark = kn_scratch_mark(ctx);
+    kn_operand x, y, to;
+    kn_pairing p;
+    kn_operand_init(&x, a, kn_terms_want(terms, nterms, 0, a->ncomp));
+    kn_operand_init(&y, b, kn_terms_want(terms, nterms, 1, b->ncomp));
+    status = kn_pairing_init(ctx, &p, a->nvars, a->degree, b->degree, x.ncomp + x.with_one, y.ncomp + y.with_one,
+                             c->ncomp);
+    if (status == KN_OK) { // the operands are packed before out is written to: it may be one of them
+        kn_pairing_run(&p, &x, &y, terms, nterms);
+        status = kn_bezier_begin(ctx, c, out, false, what);
+    }
+    if (status == KN_OK) {
+        kn_operand_init(&to, c, false);
+        kn_pairing_store(&p, c->coef, to.component, to.step);
+        kn_bezier_end(ctx, out, c);
+    }
+    kn_scratch_release(ctx, mark);
+    return status;
 }
 
 kn_status kn_bezier_combine(kn_ctx *ctx, const char *what, kn_bezier *result, const kn_bezier *a, const kn_bezier *b,
                             const kn_term *terms, int nterms)
 {
-    factor f, g;
-    for (int d = 0; d < a->nvars; d++) result->degree[d] = a->degree[d] + b->degree[d];
-    kn_status status = kn_bezier_alloc(ctx, result, what);
-    if (status != KN_OK) return status;
-    kn_mark mark = kn_scratch_mark(ctx);
-    size_t n = kn_bezier_count(result), ncomp = (size_t)result->ncomp;
-    double *weight = kn_scratch(ctx, n, sizeof *weight);
-    if (weight && factor_init(ctx, &f, a, result->degree, wants_one(a, terms, nterms, 0)) &&
-        factor_init(ctx, &g, b, result->degree, wants_one(b, terms, nterms, 1))) {
-        memset(result->coef, 0, n * ncomp * sizeof *result->coef);
-        for (int i = 0; i < nterms; i++) accumulate(result, &f, &g, &terms[i]);
-        kn_bernstein_weights(weight, result->nvars, result->degree);
-        for (size_t c = 0; c < ncomp; c++)
-            for (size_t i = 0; i < n; i++) result->coef[c * n + i] /= weight[i];
-    } else {
-        status = KN_ENOMEM;
-        kn_bezier_clear(ctx, result);
-    }
-    kn_scratch_release(ctx, mark);
+    kn_bezier out = {0};
+    kn_status status = kn_bezier_combine_to(ctx, what, &out, result, a, b, terms, nterms);
+    if (status == KN_OK)
+        *result = out;
+    else
+        result->coef = NULL;
     return status;
 }

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// Sums of products of components: what product, dot, cross and the rational sums come down to.
+// Sums of products of components: what product, dot, cross, determinant and the rational sums come down to, for a
+// piece and for many pieces side by side.
 #ifndef BEZIER_COMBINE_H
 #define BEZIER_COMBINE_H
 
 #include "bezier/shape.h"
+#include "kernel/convolve.h"
 
 // Component `to` of the result += sign * component a of the first operand * component b of the second.
 // The component kn_bezier_dim(x) is the weight of x: 1 for a polynomial piece.
@@ -14,8 +16,11 @@ typedef struct kn_term {
 
 enum { KN_MAX_TERMS = 2 * KN_MAX_COMPS };
 
-// result: nvars, ncomp and rational set, no coefficients; its degrees become the sums of the operands'. Allocated
-// here; on failure nothing is.
+// out = the result of the terms. c: its nvars, ncomp and rational; its degrees become the sums of the operands'. out
+// may be an operand, and is unchanged by a failure.
+kn_status kn_bezier_combine_to(kn_ctx *ctx, const char *what, kn_bezier *out, kn_bezier *c, const kn_bezier *a,
+                               const kn_bezier *b, const kn_term *terms, int nterms);
+// The same into a new piece: result as c; allocated here; on failure nothing is.
 kn_status kn_bezier_combine(kn_ctx *ctx, const char *what, kn_bezier *result, const kn_bezier *a, const kn_bezier *b,
                             const kn_term *terms, int nterms);
 // The term that multiplies the weights, for a rational result.
@@ -23,5 +28,43 @@ static inline kn_term kn_weight_term(const kn_bezier *result, const kn_bezier *a
 {
     return (kn_term){kn_bezier_dim(result), kn_bezier_dim(a), kn_bezier_dim(b), 1.0};
 }
+
+// Lists of terms, for operands of these dimensions, with the term of the weights at the end when rational (dim the
+// result's, which for a determinant's last step is the operands' place of the weight). They return how many.
+int kn_product_terms(kn_term *terms, int na, int nb, bool rational);
+int kn_dot_terms(kn_term *terms, int dim, bool rational);
+int kn_cross_terms(kn_term *terms, bool rational);
+// (a wb + sign b wa) / (wa wb).
+int kn_sum_terms(kn_term *terms, int dim, double sign);
+
+// ---- the steps, for pieces that lie in arrays of any layout ----
+typedef struct kn_operand {
+    const double *coef;
+    size_t component;         // from one component to the next
+    size_t step[KN_MAX_VARS]; // from one index of a variable to the next; 1 for the last
+    int ncomp;
+    bool with_one; // component ncomp is the constant 1
+    bool unscaled; // the coefficients have their binomials already
+} kn_operand;
+void kn_operand_init(kn_operand *o, const kn_bezier *a, bool with_one);
+// Whether a term wants the component n of the first operand (which 0) or the second (1).
+bool kn_terms_want(const kn_term *terms, int nterms, int which, int n);
+
+// Products of pieces of these degrees, and their room in scratch.
+typedef struct kn_pairing {
+    kn_convolution plan;
+    int ncomp;                  // of the result
+    double *thin, *wide, *sums; // components one after the other
+    size_t thin_comps, wide_comps;
+} kn_pairing;
+// na, nb: components with the constant 1.
+kn_status kn_pairing_init(kn_ctx *ctx, kn_pairing *p, int nvars, const int *da, const int *db, int na, int nb,
+                          int ncomp);
+// sums = the sum of the terms. The operands are read here and never again.
+void kn_pairing_run(const kn_pairing *p, const kn_operand *a, const kn_operand *b, const kn_term *terms, int nterms);
+// The sums as an operand of another product.
+void kn_pairing_result(kn_operand *o, const kn_pairing *p);
+// The coefficients themselves, to an array in which components are `component` apart.
+void kn_pairing_store(const kn_pairing *p, double *out, size_t component, const size_t *step);
 
 #endif

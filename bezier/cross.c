@@ -11,12 +11,5 @@ kn_status kn_bezier_cross(kn_ctx *ctx, kn_bezier *out, const kn_bezier *a, const
     bool rational = a->rational || b->rational;
     kn_bezier c = {.nvars = a->nvars, .ncomp = 3 + rational, .rational = rational};
     kn_term terms[7];
-    for (int i = 0; i < 3; i++) {
-        int j = (i + 1) % 3, k = (i + 2) % 3;
-        terms[2 * i] = (kn_term){i, j, k, 1.0};
-        terms[2 * i + 1] = (kn_term){i, k, j, -1.0};
-    }
-    terms[6] = kn_weight_term(&c, a, b);
-    status = kn_bezier_combine(ctx, "cross", &c, a, b, terms, 6 + rational);
-    return kn_bezier_finish(ctx, out, &c, status);
+    return kn_bezier_combine_to(ctx, "cross", out, &c, a, b, terms, kn_cross_terms(terms, rational));
 }

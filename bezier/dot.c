@@ -11,8 +11,5 @@ kn_status kn_bezier_dot(kn_ctx *ctx, kn_bezier *out, const kn_bezier *a, const k
     bool rational = a->rational || b->rational;
     kn_bezier c = {.nvars = a->nvars, .ncomp = 1 + rational, .rational = rational};
     kn_term terms[KN_MAX_COMPS + 1];
-    for (int i = 0; i < dim; i++) terms[i] = (kn_term){0, i, i, 1.0};
-    terms[dim] = kn_weight_term(&c, a, b);
-    status = kn_bezier_combine(ctx, "dot", &c, a, b, terms, dim + rational);
-    return kn_bezier_finish(ctx, out, &c, status);
+    return kn_bezier_combine_to(ctx, "dot", out, &c, a, b, terms, kn_dot_terms(terms, dim, rational));
 }

@@ -11,8 +11,5 @@ kn_status kn_bezier_product(kn_ctx *ctx, kn_bezier *out, const kn_bezier *a, con
     bool rational = a->rational || b->rational;
     kn_bezier c = {.nvars = a->nvars, .ncomp = dim + rational, .rational = rational};
     kn_term terms[KN_MAX_COMPS + 1];
-    for (int i = 0; i < dim; i++) terms[i] = (kn_term){i, na > 1 ? i : 0, nb > 1 ? i : 0, 1.0};
-    terms[dim] = kn_weight_term(&c, a, b);
-    status = kn_bezier_combine(ctx, "product", &c, a, b, terms, c.ncomp);
-    return kn_bezier_finish(ctx, out, &c, status);
+    return kn_bezier_combine_to(ctx, "product", out, &c, a, b, terms, kn_product_terms(terms, na, nb, rational));
 }

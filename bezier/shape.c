@@ -28,9 +28,9 @@ kn_status kn_bezier_check(kn_ctx *ctx, const char *what, int nvars, int ncomp, b
         if (degree[d] > KN_MAX_DEGREE)
             return kn_fail(ctx, KN_ELIMIT, "%s: degree %d in variable %d (at most %d)", what, degree[d], d,
                            KN_MAX_DEGREE);
-        if (count > KN_MAX_COEFS / ((size_t)degree[d] + 1))
+        count *= (size_t)degree[d] + 1; // far from overflow: checked in every step
+        if (count > KN_MAX_COEFS)
             return kn_fail(ctx, KN_ELIMIT, "%s: more than %zu coefficients", what, KN_MAX_COEFS);
-        count *= (size_t)degree[d] + 1;
     }
     return KN_OK;
 }

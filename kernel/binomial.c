@@ -4,6 +4,7 @@
 
 #include <assert.h>
 #include <knurl/base.h>
+#include <string.h>
 
 // C(n, k) = C(n, k-1) (n-k+1) / k. In integers each division is exact; 64 bits hold the product before it:
 // C(56, 28) * 29 < 2^58.
@@ -19,10 +20,17 @@ double kn_binomial(int n, int k)
 
 void kn_binomial_row(double *row, int n)
 {
-    assert(n >= 0 && n <= KN_MAX_DEGREE);
-    uint64_t c = 1;
-    for (int k = 0; k <= n; k++) {
-        row[k] = (double)c;
-        c = c * (uint64_t)(n - k) / (uint64_t)(k + 1);
-    }
+    memcpy(row, kn_pascal(n), ((size_t)n + 1) * sizeof *row);
 }
+
+const double kn_triangle[KN_TRIANGLE] = {
+#define N(c) (double)c,
+#include "kernel/binomial_rows.h"
+#undef N
+};
+
+const double kn_triangle_inverse[KN_TRIANGLE] = {
+#define N(c) 1.0 / (double)c,
+#include "kernel/binomial_rows.h"
+#undef N
+};
