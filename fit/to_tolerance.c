@@ -116,12 +116,13 @@ static kn_status halve(kn_ctx *ctx, search *w, int var, const double *error, boo
 {
     double *old = w->breaks[var], *fresh = old + w->room + 1, limit = w->share * w->tolerance;
     int n = 0, nspans = w->nbreaks[var] - 1;
+    double shortest = 0x1p-40 * fmax(fabs(old[0]), fabs(old[nspans])); // sites and samples stay apart
     for (int i = 0; i < nspans; i++) {
         double middle = old[i] + 0.5 * (old[i + 1] - old[i]);
         bool split = !(error[i] <= limit) || w->share < 0x1p-20; // errors off all lines end in smaller spans, too
-        if (n + 1 + split + w->degree[var] > w->room || (split && !(old[i] < middle && middle < old[i + 1])))
-            return kn_fail(ctx, KN_EUNDECIDED, "%s: variable %d: more than %d control points, error %g at %g", call,
-                           var, w->room, error[i], middle);
+        if (n + 1 + split + w->degree[var] > w->room || (split && !(old[i + 1] - old[i] > shortest)))
+            return kn_fail(ctx, KN_EUNDECIDED, "%s: variable %d: error %g at %g, more than %d control points needed",
+                           call, var, error[i], middle, w->room);
         fresh[n++] = old[i];
         if (split) fresh[n++] = middle;
         *any = *any || split;

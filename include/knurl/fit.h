@@ -119,7 +119,8 @@ typedef kn_status (*kn_fit_function)(void *user, double *value, const double *at
 // answers. error:  O(h^(p+1)) for smooth functions: (1 + |Q|) times the distance from polynomials, |Q| the largest
 // sum of
 //         absolute weights: 1, 1.5, 1.7, 2.2 .. for degrees 1, 2, 3, 4 .. inside equal spans, larger at the ends and
-//         on uneven ones. Rounding: gamma(nvars (6 p^2 + 22 p)) |Q|'^nvars max |f|, |Q|' from the solves with |L||U|.
+//         on uneven ones. Polynomials come out with gamma(sum_d (19 p_d + 12)) prod_d (|Q_d| + 1) times the
+//         largest absolute value of their blossoms near by.
 // cost:   prod count values of the function; p^3 for each coefficient of each variable; p + 1 multiply-adds for each
 //         coefficient in each variable.
 // source: Lyche & Schumaker, Local spline approximation methods, J. Approx. Theory 15 (1975); sites as in
@@ -132,7 +133,8 @@ KN_API KN_CHECKED kn_status kn_fit_quasi(kn_ctx *ctx, kn_spline *out, int nvars,
 // from the function at sampled parameters is at most the tolerance. in:     degree[d] >= 1, tolerance > 0. out:
 // *estimate (NULL: not wanted) the largest distance at the samples: an estimate, no bound. Features of the
 //         function that fall between all samples are not seen.
-// fails:  KN_EDOMAIN; KN_EUNDECIDED more than max_count control points in one variable would be needed (0: 4096).
+// fails:  KN_EDOMAIN; KN_EUNDECIDED more than max_count control points in one variable would be needed (0: 4096), or
+//         spans shorter than 2^-40 of the largest parameter, as at a jump; whatever `function` answers.
 // cost:   each round: 1 + 2 nvars values of the function for each control point, the last 2^nvars more; rounds grow.
 KN_API KN_CHECKED kn_status kn_fit_to_tolerance(kn_ctx *ctx, kn_spline *out, double *estimate, int nvars, int dim,
                                                 const int *degree, const double *lo, const double *hi,
