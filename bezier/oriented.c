@@ -147,13 +147,21 @@ static bool enclose(kn_oriented_box *box, const cloud *c)
     return hold_all(box, c);
 }
 
-// Smaller: by the surface, which still tells flat boxes apart, then by the lengths.
+static double surface(const kn_oriented_box *box, int e)
+{
+    double h[3];
+    for (int i = 0; i < 3; i++) h[i] = scalbn(box->half[i], -e);
+    return h[0] * h[1] + h[1] * h[2] + h[2] * h[0];
+}
+
+// Smaller: by the surface, which still tells flat boxes apart, then by the lengths. Scaled, so that squares neither
+// overflow nor underflow where it matters.
 static bool is_smaller(const kn_oriented_box *a, const kn_oriented_box *b)
 {
-    double s = a->half[0] * a->half[1] + a->half[1] * a->half[2] + a->half[2] * a->half[0];
-    double t = b->half[0] * b->half[1] + b->half[1] * b->half[2] + b->half[2] * b->half[0];
-    if (s != t) return s < t;
-    return a->half[0] + a->half[1] + a->half[2] < b->half[0] + b->half[1] + b->half[2];
+    double x = a->half[0] + a->half[1] + a->half[2], y = b->half[0] + b->half[1] + b->half[2];
+    if (!(x > 0.0 && y < INFINITY)) return x < y;
+    double s = surface(a, ilogb(x)), t = surface(b, ilogb(x));
+    return s != t ? s < t : x < y;
 }
 
 // Takes the first of the directions for which the axes are independent, and keeps the box if it is the smaller one.
