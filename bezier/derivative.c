@@ -23,11 +23,11 @@ static kn_status differentiate(kn_ctx *ctx, kn_bezier *out, const kn_bezier *a, 
 
 // (N/w)' = (N' w - w' N) / w^2, N' and w' at the degrees of N and w, so that both parts have the same degrees:
 // products with N and w of one piece that holds N', w' and w.
-static kn_status quotient_rule(kn_ctx *ctx, kn_bezier *c, const kn_bezier *a, int var)
+static kn_status quotient_rule(kn_ctx *ctx, kn_bezier *out, const kn_bezier *a, int var)
 {
     int dim = kn_bezier_dim(a), n = 0;
     kn_term terms[KN_MAX_TERMS];
-    kn_bezier g = *a;
+    kn_bezier g = *a, c = {.nvars = a->nvars, .ncomp = a->ncomp, .rational = true};
     g.rational = false, g.ncomp = dim + 2;
     kn_mark mark = kn_scratch_mark(ctx);
     g.coef = kn_scratch(ctx, (size_t)g.ncomp * kn_bezier_count(a), sizeof *g.coef);
@@ -40,7 +40,7 @@ static kn_status quotient_rule(kn_ctx *ctx, kn_bezier *c, const kn_bezier *a, in
             terms[n++] = (kn_term){i, dim, i, -1.0};
         }
         terms[n++] = (kn_term){dim, dim + 1, dim, 1.0};
-        status = kn_bezier_combine(ctx, "derivative", c, &g, a, terms, n);
+        status = kn_bezier_combine_to(ctx, "derivative", out, &c, &g, a, terms, n);
     }
     kn_scratch_release(ctx, mark);
     return status;
@@ -53,7 +53,5 @@ kn_status kn_bezier_derivative(kn_ctx *ctx, kn_bezier *out, const kn_bezier *a, 
     if (status != KN_OK) return status;
     if (!a->rational) return differentiate(ctx, out, a, var);
     if (a->degree[var] == 0) return kn_bezier_scale(ctx, out, a, 0.0); // constant in this variable: 0/w
-    kn_bezier c = {.nvars = a->nvars, .ncomp = a->ncomp, .rational = true};
-    status = quotient_rule(ctx, &c, a, var);
-    return kn_bezier_finish(ctx, out, &c, status);
+    return quotient_rule(ctx, out, a, var);
 }

@@ -17,12 +17,12 @@ static void sum_partials(double *to, double *work, const kn_bezier *a, const dou
 }
 
 // div (N/w) = (div N w - sum_v N_v d_v w) / w^2: products with N and w of one piece that holds div N, d_v w and w.
-static kn_status quotient_rule(kn_ctx *ctx, const char *what, kn_bezier *c, const kn_bezier *a, const double *size)
+static kn_status quotient_rule(kn_ctx *ctx, const char *what, kn_bezier *out, const kn_bezier *a, const double *size)
 {
     int dim = kn_bezier_dim(a), n = 0;
     size_t count = kn_bezier_count(a);
     kn_term terms[KN_MAX_VARS + 2];
-    kn_bezier g = *a;
+    kn_bezier g = *a, c = {.nvars = a->nvars, .ncomp = 2, .rational = true};
     g.rational = false, g.ncomp = dim + 2;
     kn_mark mark = kn_scratch_mark(ctx);
     g.coef = kn_scratch(ctx, (size_t)g.ncomp * count, sizeof *g.coef);
@@ -36,7 +36,7 @@ static kn_status quotient_rule(kn_ctx *ctx, const char *what, kn_bezier *c, cons
             kn_bezier_partial(kn_bezier_comp(&g, 1 + v), a, dim, v, size);
             terms[n++] = (kn_term){0, 1 + v, v, -1.0};
         }
-        status = kn_bezier_combine(ctx, what, c, &g, a, terms, n);
+        status = kn_bezier_combine_to(ctx, what, out, &c, &g, a, terms, n);
     }
     kn_scratch_release(ctx, mark);
     return status;
@@ -64,10 +64,7 @@ kn_status kn_bezier_divergence_over(kn_ctx *ctx, const char *what, kn_bezier *ou
     if (status != KN_OK) return status;
     if (kn_bezier_dim(a) != a->nvars)
         return kn_fail(ctx, KN_EDOMAIN, "%s: %d components over %d variables", what, kn_bezier_dim(a), a->nvars);
-    if (!a->rational) return polynomial(ctx, what, out, a, size);
-    kn_bezier c = {.nvars = a->nvars, .ncomp = 2, .rational = true};
-    status = quotient_rule(ctx, what, &c, a, size);
-    return kn_bezier_finish(ctx, out, &c, status);
+    return a->rational ? quotient_rule(ctx, what, out, a, size) : polynomial(ctx, what, out, a, size);
 }
 
 kn_status kn_bezier_divergence(kn_ctx *ctx, kn_bezier *out, const kn_bezier *a)

@@ -15,11 +15,12 @@ void kn_bezier_partial(double *to, const kn_bezier *a, int comp, int var, const 
 }
 
 // d_v (N/w) = (d_v N w - N d_v w) / w^2: products with N and w of one piece that holds d_v N, d_v w and w.
-static kn_status quotient_rule(kn_ctx *ctx, const char *what, kn_bezier *c, const kn_bezier *a, const double *size)
+static kn_status quotient_rule(kn_ctx *ctx, const char *what, kn_bezier *out, const kn_bezier *a, const double *size)
 {
     int dim = kn_bezier_dim(a), nvars = a->nvars, n = 0;
     size_t count = kn_bezier_count(a);
     kn_term terms[KN_MAX_TERMS];
+    kn_bezier c = {.nvars = nvars, .ncomp = dim * nvars + 1, .rational = true};
     kn_bezier g = *a; // may have more components than a piece of the interface
     g.rational = false, g.ncomp = a->ncomp * nvars + 1;
     kn_mark mark = kn_scratch_mark(ctx);
@@ -35,7 +36,7 @@ static kn_status quotient_rule(kn_ctx *ctx, const char *what, kn_bezier *c, cons
     if (status == KN_OK) {
         memcpy(kn_bezier_comp(&g, g.ncomp - 1), kn_bezier_comp(a, dim), count * sizeof *g.coef);
         terms[n++] = (kn_term){dim * nvars, g.ncomp - 1, dim, 1.0};
-        status = kn_bezier_combine(ctx, what, c, &g, a, terms, n);
+        status = kn_bezier_combine_to(ctx, what, out, &c, &g, a, terms, n);
     }
     kn_scratch_release(ctx, mark);
     return status;
@@ -49,12 +50,9 @@ kn_status kn_bezier_gradient_over(kn_ctx *ctx, const char *what, kn_bezier *out,
     if (status != KN_OK) return status;
     int dim = kn_bezier_dim(a);
     kn_bezier c = *a;
-    c.coef = NULL, c.ncomp = dim * a->nvars + a->rational;
+    c.ncomp = dim * a->nvars + a->rational;
     if (c.ncomp > KN_MAX_COMPS) return kn_fail(ctx, KN_ELIMIT, "%s: %d components", what, c.ncomp);
-    if (a->rational) {
-        status = quotient_rule(ctx, what, &c, a, size);
-        return kn_bezier_finish(ctx, out, &c, status);
-    }
+    if (a->rational) return quotient_rule(ctx, what, out, a, size);
     kn_mark mark = kn_scratch_mark(ctx);
     status = kn_bezier_begin(ctx, &c, out, kn_bezier_is(out, a), what);
     if (status == KN_OK) {

@@ -43,17 +43,20 @@ static void partials(kn_bezier *g, const kn_bezier *a, int var, bool sums)
     memcpy(kn_bezier_comp(g, a->ncomp), kn_bezier_comp(a, a->ncomp - 1), count * sizeof *g->coef);
 }
 
-// q = N' w - w' N and w^2, or, with sums, their sizes: sums of absolute values.
+// q, in scratch: N' w - w' N and w^2, or, with sums, their sizes: sums of absolute values.
 static kn_status quotient_rule(kn_ctx *ctx, const char *what, kn_bezier *q, const kn_bezier *a, int var, bool sums)
 {
     int dim = kn_bezier_dim(a), n = 0;
     kn_term terms[KN_MAX_TERMS];
-    kn_bezier g = *a;
+    kn_bezier g = *a, c = {.nvars = a->nvars, .ncomp = a->ncomp, .rational = true};
     g.rational = false, g.ncomp = a->ncomp + 1;
-    *q = (kn_bezier){.nvars = a->nvars, .ncomp = a->ncomp, .rational = true};
+    *q = c;
+    for (int d = 0; d < a->nvars; d++) q->degree[d] = 2 * a->degree[d];
+    kn_status status = kn_bezier_scratch(ctx, q, what);
+    if (status != KN_OK) return status;
     kn_mark mark = kn_scratch_mark(ctx);
     g.coef = kn_scratch(ctx, (size_t)g.ncomp * kn_bezier_count(a), sizeof *g.coef);
-    kn_status status = g.coef ? KN_OK : KN_ENOMEM;
+    status = g.coef ? KN_OK : KN_ENOMEM;
     if (status == KN_OK) {
         partials(&g, a, var, sums);
         for (int i = 0; i < dim; i++) {
@@ -61,7 +64,7 @@ static kn_status quotient_rule(kn_ctx *ctx, const char *what, kn_bezier *q, cons
             terms[n++] = (kn_term){i, dim, i, sums ? 1.0 : -1.0};
         }
         terms[n++] = (kn_term){dim, dim + 1, dim, 1.0};
-        status = kn_bezier_combine(ctx, what, q, &g, a, terms, n);
+        status = kn_bezier_combine_to(ctx, what, q, &c, &g, a, terms, n);
     }
     kn_scratch_release(ctx, mark);
     return status;
@@ -71,7 +74,8 @@ static kn_status quotient_rule(kn_ctx *ctx, const char *what, kn_bezier *q, cons
 static kn_status bound(kn_ctx *ctx, const char *what, double *out, const kn_bezier *a, const kn_bezier *size, int var,
                        double roundings)
 {
-    kn_bezier q = {0}, s = {0};
+    kn_bezier q, s;
+    kn_mark mark = kn_scratch_mark(ctx);
     kn_status status = quotient_rule(ctx, what, &q, a, var, false);
     if (status == KN_OK) status = quotient_rule(ctx, what, &s, size, var, true);
     if (status == KN_OK) {
@@ -85,8 +89,7 @@ static kn_status bound(kn_ctx *ctx, const char *what, double *out, const kn_bezi
         }
         *out = kn_hull_norm(n, dim, q.coef);
     }
-    kn_bezier_clear(ctx, &q);
-    kn_bezier_clear(ctx, &s);
+    kn_scratch_release(ctx, mark);
     return status;
 }
 
