@@ -18,7 +18,7 @@ double kn_largest(const double *coef, size_t n)
     double most = 0.0;
     for (size_t i = 0; i < n; i++) {
         double a = fabs(coef[i]);
-        most = a <= most ? most : a; // NaN comes through, too
+        most = a > most ? a : most;
     }
     return most;
 }

@@ -31,7 +31,7 @@ static inline double kn_underflow(void)
 }
 
 kn_net kn_net_make(int nvars, int ncomp, const int *degree);
-// max |coef[i]|; infinite or NaN when one of them is not finite.
+// max |coef[i]|; NaN is passed over.
 double kn_largest(const double *coef, size_t n);
 // Seen along variable d an array of `count` numbers is (outer, degree[d] + 1, inner), without components.
 size_t kn_net_inner(const kn_net *net, int d);

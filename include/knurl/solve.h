@@ -49,6 +49,64 @@ KN_API KN_CHECKED kn_status kn_solve_nonzero(kn_ctx *ctx, kn_answer *out, const 
 KN_API KN_CHECKED kn_status kn_solve_monotone(kn_ctx *ctx, kn_sign *out, const kn_bezier *f, int var,
                                               const double *lo, const double *hi, int depth);
 
+// ---- zeros of systems ----
+
+// Zero means the default in every field.
+typedef struct kn_solve_options {
+    double tolerance;     // boxes narrower than this part of their span are not divided further: default 2^-50
+    double residual;      // more equations than unknowns: |f_k| <= residual max |coefficients of f_k| counts as zero;
+                          // default 1e-12
+    int max_depth;        // divisions of one span, at most: default 200, <= KN_SOLVE_MAX_DEPTH
+    size_t max_boxes;     // boxes looked at, at most: default 500000
+    size_t max_undecided; // boxes open at one time, at most: default 2048. Beyond it the zeros count as a continuum
+} kn_solve_options;
+KN_API kn_solve_options kn_solve_defaults(void);
+
+typedef enum kn_root_kind {
+    KN_ROOT_POSSIBLE, // there may be none, one or many in the box: it could not be excluded
+    KN_ROOT_UNIQUE,   // the box holds exactly one, certified
+} kn_root_kind;
+
+// lo <= at <= hi in the parameters of the functions. at_edge: the box reaches the boundary of the domain, and may
+// reach beyond it by its own width; what is certified is then said of the functions continued beyond the boundary.
+// least, most: bounds of the number of roots in the box, each counted with its multiplicity; most -1: not known.
+typedef struct kn_root {
+    kn_root_kind kind;
+    bool at_edge;
+    int least, most;
+    double at[KN_MAX_VARS], lo[KN_MAX_VARS], hi[KN_MAX_VARS];
+} kn_root;
+
+typedef struct kn_solve_report {
+    size_t boxes;    // looked at
+    size_t possible; // roots that are not certain
+    bool
+        curve_like; // max_undecided was passed, or there are fewer equations than unknowns: the boxes cover the zeros
+    bool limited;   // max_boxes or max_depth was passed
+} kn_solve_report;
+
+// All common zeros, in the closed domain, of every component of f[0 .. nf-1].
+// in:     splines over the same variables (1 .. KN_MAX_VARS) and domain (else KN_EDOMAIN), that kn_spline_check accepts.
+//         Rational ones vanish where their numerators do. options NULL: the defaults.
+// out:    *roots: *nroots of them, sorted by lo, for kn_free; every zero lies in one of the boxes. report may be NULL.
+//         As many equations as unknowns m = n: regular zeros become KN_ROOT_UNIQUE, with boxes about as narrow as the
+//         coefficients allow; multiple ones and clusters KN_ROOT_POSSIBLE. A zero on a face that spans share is reported
+//         once. m > n: all are KN_ROOT_POSSIBLE, of the points where all equations vanish within options.residual.
+//         m < n: boxes that cover the zeros, about max_undecided of them. So is it, with report->curve_like, when the
+//         zeros of m >= n equations form a continuum.
+// fails:  KN_EDOMAIN, KN_ELIMIT (the degrees together pass KN_MAX_COEFS), KN_ENOMEM, KN_ECANCELLED.
+// error:  none: boxes are certified to hold what they claim, of the exact function.
+// cost:   time and memory are bounded by max_boxes and max_undecided.
+// source: Sherbrooke & Patrikalakis, Computation of the solutions of nonlinear polynomial systems, CAGD 10 (1993);
+//         Mourrain & Pavone, Subdivision methods for solving polynomial equations, JSC 44 (2009); Krawczyk, Newton-
+//         Algorithmen zur Bestimmung von Nullstellen mit Fehlerschranken, Computing 4 (1969).
+KN_API KN_CHECKED kn_status kn_solve_zeros(kn_ctx *ctx, kn_root **roots, size_t *nroots, kn_solve_report *report,
+                                           const kn_spline *f, int nf, const kn_solve_options *options);
+// The same for pieces, over [0,1]^nvars.
+KN_API KN_CHECKED kn_status kn_solve_zeros_bezier(kn_ctx *ctx, kn_root **roots, size_t *nroots,
+                                                  kn_solve_report *report, const kn_bezier *f, int nf,
+                                                  const kn_solve_options *options);
+
 #ifdef __cplusplus
 }
 #endif
