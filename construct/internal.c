@@ -73,7 +73,7 @@ kn_status kn_construct_compatible(kn_ctx *ctx, const char *call, kn_spline *s, c
             status = kn_fail(ctx, KN_EDOMAIN, "%s: %d and %d variables, dimensions %d and %d", call, s[0].nvars,
                              s[i].nvars, kn_spline_dim(&s[0]), kn_spline_dim(&s[i]));
     }
-    for (int d = 0; status == KN_OK && d < s[0].nvars; d++) {
+    for (int d = s[0].nvars - 1; status == KN_OK && d >= 0; d--) { // in the order of kn_spline_make_compatible
         for (int i = 0; i < n; i++) var[i] = d;
         status = kn_construct_unite(ctx, call, s, var, n, 0);
     }

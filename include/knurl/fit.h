@@ -11,26 +11,24 @@ extern "C" {
 
 // Common to all below:
 // in:     knots[d]: count[d] + degree[d] + 1 of them, clamped, as kn_spline_init takes them. Values and points are
-// point
-//         after point, dim numbers each; points of a grid have the last variable fastest. Nothing checks values for
-//         NaN. Parameters lie inside the domain of the knots.
+//         point after point, dim numbers each; points of a grid have the last variable fastest. Nothing checks values
+//         for NaN. Parameters lie inside the domain of the knots.
 // out:    a polynomial spline of dim components: initialised, overwritten. On failure outputs are unchanged.
 // fails:  KN_ENOMEM, and those of kn_spline_init for the shape and the knots.
 // error:  A is the matrix of B-splines at the sites, of several variables the tensor product; |c| has absolute
-// values.
+//         values.
 
 // ---- interpolation ----
 // out takes values[i*dim + c] at the grid point i of sites[0] x sites[1] x ..
 // in:     count[d] increasing sites in variable d.
 // out:    at a site that is an end of the domain the edge depends on the values on it alone; corners take them bit
-// for
-//         bit.
+//         for bit.
 // fails:  KN_EDOMAIN sites that do not increase or lie outside; KN_EUNDEFINED unless each B-spline is positive at its
 //         site, t_i < site_i < t_i+p+1 or at an end (Schoenberg & Whitney): the message names variable and index;
 //         KN_EUNDECIDED where such a value underflows.
 // error:  |A c - f| <= ((1 + e)^nvars - 1) A|c|, e = gamma(11 p + 8) of the largest degree: whatever the condition.
-// cost:   3 p^2 count[d] for the factors and 4 p multiply-adds for each value, in each variable; scratch
-//         (2 p + 1) count[d] numbers.
+// cost:   3 p^2 count[d] for the factors and 4 p multiply-adds for each value, in each variable; scratch (2 p + 1)
+//         count[d] numbers.
 // source: de Boor, A Practical Guide to Splines, chapter XIII; de Boor & Pinkus, Numer. Math. 27 (1977).
 KN_API KN_CHECKED kn_status kn_fit_interpolate(kn_ctx *ctx, kn_spline *out, int nvars, int dim, const int *degree,
                                                const int *count, const double *const *knots,
@@ -50,22 +48,24 @@ KN_API KN_CHECKED kn_status kn_fit_uniform_knots(kn_ctx *ctx, double *knots, int
                                                  double hi);
 // Knots for the increasing sites of data, nsites >= count: as many, their means over degree neighbours (for degree 0
 // the middles); more, spread so that each B-spline has sites of its own. Both interpolation and least squares are
-// then defined. fails:  KN_EDOMAIN as said; KN_ELIMIT. source: Piegl & Tiller, The NURBS Book, (9.8), (9.68), (9.69).
+// then defined.
+// fails:  KN_EDOMAIN as said; KN_ELIMIT.
+// source: Piegl & Tiller, The NURBS Book, (9.8), (9.68), (9.69).
 KN_API KN_CHECKED kn_status kn_fit_averaged_knots(kn_ctx *ctx, double *knots, int degree, int count, int nsites,
                                                   const double *sites);
 // sites, n[var] of them from 0 to 1, for variable var of the grid of points n[0] x n[1] x ..: steps in proportion to
 // (the distance of neighbours)^exponent, averaged over the grid's lines. exponent 1: chord length, 0.5: centripetal,
 // 0: equal steps.
 // fails:  KN_EDOMAIN numbers out of range (n[var] < 2 among them), an exponent < 0; KN_EUNDEFINED neighbours that
-// coincide on
-//         all lines, so that sites would not increase, or lines without length.
+//         coincide on all lines, so that sites would not increase, or lines without length.
 // source: Lee, Choosing nodes in parametric curve interpolation, CAD 21 (1989).
 KN_API KN_CHECKED kn_status kn_fit_parameters(kn_ctx *ctx, double *sites, int nvars, int dim, const int *n,
                                               const double *points, int var, double exponent);
 // The first (at_end: the last) norders control points of a curve from value, first derivative, .. at that end:
 // derivatives[k*dim + c], k < norders. They go to their places in coef, dim arrays of count numbers, whose others
-// stay. fails:  KN_EDOMAIN, KN_ELIMIT; norders not in 1 .. degree + 1. error:  the value exact; gamma(7 degree) of
-// the sums of absolute values in the substitution for the others.
+// stay.
+// fails:  KN_EDOMAIN, KN_ELIMIT; norders not in 1 .. degree + 1.
+// error:  the value exact; gamma(7 degree) of the sums of absolute values in the substitution for the others.
 KN_API KN_CHECKED kn_status kn_fit_end_coefficients(kn_ctx *ctx, double *coef, int dim, const double *knots,
                                                     int degree, int count, bool at_end, int norders,
                                                     const double *derivatives);
@@ -81,16 +81,16 @@ typedef struct kn_fit_fixed {
 // out minimises the sum over the grid sites[0] x sites[1] x .. of |out - values|^2.
 // in:     nsites[d] increasing sites. fixed NULL: nothing. residual NULL: not wanted.
 // out:    fixed control points bit for bit as given; *residual the largest distance |out - value| at a site,
-// computed. fails:  KN_EDOMAIN sites that do not increase or lie outside, fixed layers that leave nothing free;
-// KN_EUNDEFINED no
-//         choice of sites suits the free B-splines (Schoenberg & Whitney): the message names variable and index;
+//         computed.
+// fails:  KN_EDOMAIN sites that do not increase or lie outside, fixed layers that leave nothing free; KN_EUNDEFINED
+//         no choice of sites suits the free B-splines (Schoenberg & Whitney): the message names variable and index;
 //         KN_EUNDECIDED where values underflow.
-// error:  backward stable in each variable: the exact minimiser of a problem whose A differs by
-//         gamma(6 (nsites + count) + 5 p) |A| in the Frobenius norm, and whose data by as much of theirs.
-// cost:   3 p^2 nsites[d] for the factors and 4 (p + 1) multiply-adds for each value, in each variable; scratch
-//         2 (p + 1) nsites[d] and three grids of values.
+// error:  backward stable in each variable: the exact minimiser of a problem whose A differs by gamma(6 (nsites +
+//         count) + 5 p) |A| in the Frobenius norm, and whose data by as much of theirs.
+// cost:   3 p^2 nsites[d] for the factors and 4 (p + 1) multiply-adds for each value, in each variable; scratch 2 (p
+//         + 1) nsites[d] and three grids of values.
 // source: Givens rotations: Golub & Van Loan, section 5.2.5; rank: de Boor, A Practical Guide to Splines, chapter
-// XIV.
+//         XIV.
 KN_API KN_CHECKED kn_status kn_fit_least_squares(kn_ctx *ctx, kn_spline *out, double *residual, int nvars, int dim,
                                                  const int *degree, const int *count, const double *const *knots,
                                                  const int *nsites, const double *const *sites, const double *values,
@@ -114,25 +114,25 @@ typedef kn_status (*kn_fit_function)(void *user, double *value, const double *at
 
 // out = the local quasi-interpolant of a function: coefficient j depends on its values at degree + 1 neighbouring
 // Greville sites in each variable, and polynomials of the degrees come out unchanged. No system is solved, and
-// nothing far away has influence. out:    corners take the function's values bit for bit; an edge depends on the
-// values along it alone. fails:  KN_EDOMAIN an interior knot that occurs degree + 1 times; whatever `function`
-// answers. error:  O(h^(p+1)) for smooth functions: (1 + |Q|) times the distance from polynomials, |Q| the largest
-// sum of
+// nothing far away has influence.
+// out:    corners take the function's values bit for bit; an edge depends on the values along it alone.
+// fails:  KN_EDOMAIN an interior knot that occurs degree + 1 times; whatever `function` answers.
+// error:  O(h^(p+1)) for smooth functions: (1 + |Q|) times the distance from polynomials, |Q| the largest sum of
 //         absolute weights: 1, 1.5, 1.7, 2.2 .. for degrees 1, 2, 3, 4 .. inside equal spans, larger at the ends and
-//         on uneven ones. Polynomials come out with gamma(sum_d (19 p_d + 12)) prod_d (|Q_d| + 1) times the
-//         largest absolute value of their blossoms near by.
+//         on uneven ones. Polynomials come out with gamma(sum_d (19 p_d + 12)) prod_d (|Q_d| + 1) times the largest
+//         absolute value of their blossoms near by.
 // cost:   prod count values of the function; p^3 for each coefficient of each variable; p + 1 multiply-adds for each
 //         coefficient in each variable.
 // source: Lyche & Schumaker, Local spline approximation methods, J. Approx. Theory 15 (1975); sites as in
-// Sablonniere,
-//         Recent progress on univariate and multivariate polynomial and spline quasi-interpolants (2005).
+//         Sablonniere, Recent progress on univariate and multivariate polynomial and spline quasi-interpolants
+//         (2005).
 KN_API KN_CHECKED kn_status kn_fit_quasi(kn_ctx *ctx, kn_spline *out, int nvars, int dim, const int *degree,
                                          const int *count, const double *const *knots, kn_fit_function function,
                                          void *user);
 // out = a quasi-interpolant over [lo[d],hi[d]] on knots that are halved, variable by variable, until the distance
-// from the function at sampled parameters is at most the tolerance. in:     degree[d] >= 1, tolerance > 0. out:
-// *estimate (NULL: not wanted) the largest distance at the samples: an estimate, no bound. Features of the
-//         function that fall between all samples are not seen.
+// from the function at sampled parameters is at most the tolerance.
+// in:     degree[d] >= 1, tolerance > 0. out: *estimate (NULL: not wanted) the largest distance at the samples: an
+//         estimate, no bound. Features of the function that fall between all samples are not seen.
 // fails:  KN_EDOMAIN; KN_EUNDECIDED more than max_count control points in one variable would be needed (0: 4096), or
 //         spans shorter than 2^-40 of the largest parameter, as at a jump; whatever `function` answers.
 // cost:   each round: 1 + 2 nvars values of the function for each control point, the last 2^nvars more; rounds grow.
