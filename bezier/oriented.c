@@ -223,7 +223,7 @@ static void chord(double *to, const double *points, int dim, size_t n, size_t ou
 kn_status kn_oriented_box_of(kn_ctx *ctx, const char *what, kn_oriented_box *out, const double *coef, int dim,
                              bool rational, int nvars, const int *count)
 {
-    double chords[KN_MAX_VARS][3];
+    double chords[KN_MAX_VARS][3] = {{0}};
     size_t n = 1;
     for (int d = 0; d < nvars; d++) n *= (size_t)count[d];
     const double *points = coef, *w = coef + (size_t)dim * n;

@@ -121,7 +121,7 @@ KN_API KN_CHECKED kn_status kn_bezier_cross(kn_ctx *ctx, kn_bezier *out, const k
 //         with degree 0 in var they stay, and the value is 0/w.
 // fails:  KN_EDOMAIN var; KN_ELIMIT doubled degrees.
 // error:  polynomial: gamma(2)|c_k|. rational: gamma(T + 3 nvars + 3)(|N'| * |w| + |w'| * |N|)_k, N' and w' raised to
-//         a's degrees, |N'| with sums for differences; T = 2 prod_d (degree[d] + 1) at most.
+//         a's degrees, |N'| with the absolute values of its differences; T = 2 prod_d (degree[d] + 1) at most.
 KN_API KN_CHECKED kn_status kn_bezier_derivative(kn_ctx *ctx, kn_bezier *out, const kn_bezier *a, int var);
 // out = det(a, b, c) = a . (b x c), of dimension 1; all three of dimension 3 (else KN_EDOMAIN).
 KN_API KN_CHECKED kn_status kn_bezier_determinant(kn_ctx *ctx, kn_bezier *out, const kn_bezier *a, const kn_bezier *b,
@@ -151,8 +151,8 @@ KN_API KN_CHECKED kn_status kn_bezier_integral(kn_ctx *ctx, double *out, const k
 KN_API KN_CHECKED kn_status kn_bezier_gradient(kn_ctx *ctx, kn_bezier *out, const kn_bezier *a);
 // out = sum_d of the derivative of a_d in variable d, of dimension 1. Degrees as kn_bezier_gradient.
 // fails:  KN_EDOMAIN dim is not nvars; KN_ELIMIT doubled degrees.
-// error:  polynomial: gamma(nvars + 2) times the sum of those of the gradient. rational, D the numerator's derivatives
-//         with sums for differences, raised to a's degrees: gamma(T + 4 nvars + 2)(sum_d D_d * |w| + |N_d| * |D_w|)_k,
+// error:  polynomial: gamma(nvars + 2) times the sum of those of the gradient. rational, D the absolute values of
+//         the numerator's differences, raised to a's degrees: gamma(T + 4 nvars + 2)(sum_d D_d * |w| + |N_d| * |D_w|)_k,
 //         T = (nvars + 1) prod_d (degree[d] + 1) at most.
 KN_API KN_CHECKED kn_status kn_bezier_divergence(kn_ctx *ctx, kn_bezier *out, const kn_bezier *a);
 // Components first .. first+count-1 as a polynomial piece (of a rational piece: homogeneous components), exactly.
