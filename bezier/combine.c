@@ -114,31 +114,87 @@ void kn_pairing_store(const kn_pairing *p, double *out, size_t component, const 
         kn_convolution_divide(&p->plan, out + c * component, step, p->sums + c * p->plan.sum_room);
 }
 
-// ---- pieces ----
-kn_status kn_bezier_combine_to(kn_ctx *ctx, const char *what, kn_bezier *out, kn_bezier *c, const kn_bezier *a,
-                               const kn_bezier *b, const kn_term *terms, int nterms)
+// ---- chains of products ----
+kn_formula kn_determinant_formula(kn_determinant_terms *room, bool rational)
 {
-    for (int d = 0; d < a->nvars; d++) c->degree[d] = a->degree[d] + b->degree[d];
-    kn_status status = kn_bezier_check(ctx, what, c->nvars, c->ncomp, c->rational, c->degree);
+    kn_formula f = {.ncomp = 1 + rational, .rational = rational, .terms = room->outer, .inner = room->inner};
+    f.nterms = kn_dot_terms(room->outer, 3, rational);
+    f.ninner = kn_cross_terms(room->inner, rational);
+    f.inner_comps = 3 + rational;
+    return f;
+}
+
+bool kn_formula_wants_one(const kn_formula *f, int i, int ncomp)
+{
+    if (f->ninner == 0) return kn_terms_want(f->terms, f->nterms, i, ncomp);
+    return i == 0 ? kn_terms_want(f->terms, f->nterms, 0, ncomp) : kn_terms_want(f->inner, f->ninner, i - 1, ncomp);
+}
+
+kn_status kn_chain_init(kn_ctx *ctx, kn_chain *c, const kn_formula *f, int nvars, const int *const *degree,
+                        const int *comps)
+{
+    int inner[KN_MAX_VARS];
+    c->formula = f;
+    if (f->ninner == 0)
+        return kn_pairing_init(ctx, &c->outer, nvars, degree[0], degree[1], comps[0], comps[1], f->ncomp);
+    for (int d = 0; d < nvars; d++) inner[d] = degree[1][d] + degree[2][d];
+    kn_status status = kn_pairing_init(ctx, &c->inner, nvars, degree[1], degree[2], comps[1], comps[2],
+                                       f->inner_comps);
     if (status != KN_OK) return status;
-    kn_mark mark = kn_scratch_mark(ctx);
-    kn_operand x, y, to;
-    kn_pairing p;
-    kn_operand_init(&x, a, kn_terms_want(terms, nterms, 0, a->ncomp));
-    kn_operand_init(&y, b, kn_terms_want(terms, nterms, 1, b->ncomp));
-    status = kn_pairing_init(ctx, &p, a->nvars, a->degree, b->degree, x.ncomp + x.with_one, y.ncomp + y.with_one,
-                             c->ncomp);
-    if (status == KN_OK) { // the operands are packed before out is written to: it may be one of them
-        kn_pairing_run(&p, &x, &y, terms, nterms);
-        status = kn_bezier_begin(ctx, c, out, false, what);
+    return kn_pairing_init(ctx, &c->outer, nvars, degree[0], inner, comps[0], f->inner_comps, f->ncomp);
+}
+
+void kn_chain_run(const kn_chain *c, const kn_operand *operands, double *out, size_t component, const size_t *step)
+{
+    const kn_formula *f = c->formula;
+    const kn_operand *second = &operands[1];
+    kn_operand inner;
+    if (f->ninner > 0) {
+        kn_pairing_run(&c->inner, &operands[1], &operands[2], f->inner, f->ninner);
+        kn_pairing_result(&inner, &c->inner);
+        second = &inner;
     }
+    kn_pairing_run(&c->outer, &operands[0], second, f->terms, f->nterms);
+    kn_pairing_store(&c->outer, out, component, step);
+}
+
+// ---- pieces ----
+kn_status kn_bezier_multiply(kn_ctx *ctx, const char *what, kn_bezier *out, const kn_bezier *const *operands,
+                             const kn_formula *f)
+{
+    int n = f->ninner > 0 ? 3 : 2, comps[3];
+    const int *degree[3];
+    kn_operand o[3], to;
+    kn_chain chain;
+    kn_bezier c = {.nvars = operands[0]->nvars, .ncomp = f->ncomp, .rational = f->rational};
+    for (int i = 0; i < n; i++)
+        for (int d = 0; d < c.nvars; d++) c.degree[d] += operands[i]->degree[d];
+    kn_status status = kn_bezier_check(ctx, what, c.nvars, c.ncomp, c.rational, c.degree);
+    if (status != KN_OK) return status;
+    for (int i = 0; i < n; i++) {
+        kn_operand_init(&o[i], operands[i], kn_formula_wants_one(f, i, operands[i]->ncomp));
+        comps[i] = o[i].ncomp + o[i].with_one, degree[i] = operands[i]->degree;
+    }
+    kn_mark mark = kn_scratch_mark(ctx);
+    status = kn_chain_init(ctx, &chain, f, c.nvars, degree, comps);
+    // Operands are packed before out is written to, even when it is one of them.
+    if (status == KN_OK) status = kn_bezier_begin(ctx, &c, out, false, what);
     if (status == KN_OK) {
-        kn_operand_init(&to, c, false);
-        kn_pairing_store(&p, c->coef, to.component, to.step);
-        kn_bezier_end(ctx, out, c);
+        kn_operand_init(&to, &c, false);
+        kn_chain_run(&chain, o, c.coef, to.component, to.step);
+        kn_bezier_end(ctx, out, &c);
     }
     kn_scratch_release(ctx, mark);
     return status;
+}
+
+kn_status kn_bezier_combine_to(kn_ctx *ctx, const char *what, kn_bezier *out, kn_bezier *c, const kn_bezier *a,
+                               const kn_bezier *b, const kn_term *terms, int nterms)
+{
+    const kn_bezier *const operands[] = {a, b};
+    kn_formula f = {.ncomp = c->ncomp, .rational = c->rational, .terms = terms, .nterms = nterms};
+    for (int d = 0; d < a->nvars; d++) c->degree[d] = a->degree[d] + b->degree[d];
+    return kn_bezier_multiply(ctx, what, out, operands, &f);
 }
 
 kn_status kn_bezier_combine(kn_ctx *ctx, const char *what, kn_bezier *result, const kn_bezier *a, const kn_bezier *b,

@@ -67,4 +67,32 @@ void kn_pairing_result(kn_operand *o, const kn_pairing *p);
 // The coefficients themselves, to an array in which components are `component` apart.
 void kn_pairing_store(const kn_pairing *p, double *out, size_t component, const size_t *step);
 
+// A product of two operands, terms of (a, b), or of three, terms of (a, the inner terms of (b, c)): no coefficient is
+// divided by its binomials before the end.
+typedef struct kn_formula {
+    int ncomp; // of the result, the weight included when rational
+    bool rational;
+    const kn_term *terms, *inner;
+    int nterms, ninner; // ninner 0: two operands
+    int inner_comps;
+} kn_formula;
+typedef struct kn_chain {
+    const kn_formula *formula;
+    kn_pairing outer, inner;
+} kn_chain;
+// Whether operand i (0 .. 2) needs the constant 1: a polynomial in a rational formula.
+bool kn_formula_wants_one(const kn_formula *f, int i, int ncomp);
+// degree[i], comps[i] (the constant 1 included): of the operands.
+kn_status kn_chain_init(kn_ctx *ctx, kn_chain *c, const kn_formula *f, int nvars, const int *const *degree,
+                        const int *comps);
+void kn_chain_run(const kn_chain *c, const kn_operand *operands, double *out, size_t component, const size_t *step);
+// out = the formula of two or three pieces over the same variables, checked already.
+kn_status kn_bezier_multiply(kn_ctx *ctx, const char *what, kn_bezier *out, const kn_bezier *const *operands,
+                             const kn_formula *f);
+// det(a, b, c): a . (b x c). The lists live in *room.
+typedef struct kn_determinant_terms {
+    kn_term outer[4], inner[7];
+} kn_determinant_terms;
+kn_formula kn_determinant_formula(kn_determinant_terms *room, bool rational);
+
 #endif

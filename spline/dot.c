@@ -1,15 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
-// Scalar products of splines, piece by piece.
-#include "spline/internal.h"
-
-static kn_status op(kn_ctx *ctx, kn_bezier *out, const kn_bezier *a, const kn_bezier *b, const double *size,
-                    const void *user)
-{
-    (void)size, (void)user;
-    return kn_bezier_dot(ctx, out, a, b);
-}
+// Scalar products of splines.
+#include "kernel/context.h"
+#include "spline/combine.h"
 
 kn_status kn_spline_dot(kn_ctx *ctx, kn_spline *out, const kn_spline *a, const kn_spline *b)
 {
-    return kn_spline_by_pieces(ctx, "spline_dot", out, a, b, op, NULL, -1);
+    int dim = kn_spline_dim(a);
+    bool rational = a->rational || b->rational;
+    if (a->nvars > 0 && b->nvars > 0 && dim != kn_spline_dim(b))
+        return kn_fail(ctx, KN_EDOMAIN, "spline_dot: %d and %d components", dim, kn_spline_dim(b));
+    kn_term terms[KN_MAX_COMPS + 1];
+    const kn_spline *const operands[] = {a, b};
+    kn_formula f = {.ncomp = 1 + rational, .rational = rational, .terms = terms};
+    f.nterms = kn_dot_terms(terms, dim, rational);
+    return kn_spline_multiply(ctx, "spline_dot", out, operands, &f);
 }

@@ -1,15 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
-// Products of splines, piece by piece.
-#include "spline/internal.h"
-
-static kn_status op(kn_ctx *ctx, kn_bezier *out, const kn_bezier *a, const kn_bezier *b, const double *size,
-                    const void *user)
-{
-    (void)size, (void)user;
-    return kn_bezier_product(ctx, out, a, b);
-}
+// Products of splines.
+#include "kernel/context.h"
+#include "spline/combine.h"
 
 kn_status kn_spline_product(kn_ctx *ctx, kn_spline *out, const kn_spline *a, const kn_spline *b)
 {
-    return kn_spline_by_pieces(ctx, "spline_product", out, a, b, op, NULL, -1);
+    int na = kn_spline_dim(a), nb = kn_spline_dim(b), dim = na > nb ? na : nb;
+    bool rational = a->rational || b->rational;
+    if (a->nvars > 0 && b->nvars > 0 && na != nb && na != 1 && nb != 1)
+        return kn_fail(ctx, KN_EDOMAIN, "spline_product: %d and %d components", na, nb);
+    kn_term terms[KN_MAX_COMPS + 1];
+    const kn_spline *const operands[] = {a, b};
+    kn_formula f = {.ncomp = dim + rational, .rational = rational, .terms = terms};
+    f.nterms = kn_product_terms(terms, na, nb, rational);
+    return kn_spline_multiply(ctx, "spline_product", out, operands, &f);
 }

@@ -383,16 +383,16 @@ static void failures(void **state)
     (void)state;
     test_memory memory = TEST_MEMORY_INIT;
     kn_ctx *ctx = test_ctx(&memory, 1);
-    const double k[] = {0, 0, 1, 1}, other[] = {0, 0, 2, 2}, coef[] = {1, 2, 3, 4, 5, 6};
+    const double k[] = {0, 0, 1, 1}, other[] = {1, 1, 2, 2}, coef[] = {1, 2, 3, 4, 5, 6};
     const double *const k2[] = {k, k};
     kn_spline a = curve(ctx, 1, 2, 3, k, coef), b = curve(ctx, 1, 2, 2, k, coef),
               c = curve(ctx, 1, 2, 3, other, coef);
     kn_spline d, out = {0}, empty = {0};
     assert_int_equal(kn_spline_init(ctx, &d, 2, 3, false, (int[]){1, 1}, (int[]){2, 2}, k2, NULL), KN_OK);
-    const binary ops[] = {kn_spline_sum, kn_spline_product, kn_spline_dot, kn_spline_cross};
-    for (int i = 0; i < 4; i++) {
+    const binary ops[] = {kn_spline_sum, kn_spline_product, kn_spline_dot, kn_spline_cross, kn_spline_difference};
+    for (int i = 0; i < 5; i++) {
         assert_int_equal(ops[i](ctx, &out, &a, &b), KN_EDOMAIN);     // components
-        assert_int_equal(ops[i](ctx, &out, &a, &c), KN_EDOMAIN);     // domains
+        assert_int_equal(ops[i](ctx, &out, &a, &c), KN_EDOMAIN);     // domains that only touch
         assert_int_equal(ops[i](ctx, &out, &a, &d), KN_EDOMAIN);     // variables
         assert_int_equal(ops[i](ctx, &out, &a, &empty), KN_EDOMAIN); // nothing there
         assert_int_equal(ops[i](ctx, &out, &empty, &a), KN_EDOMAIN);
