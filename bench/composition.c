@@ -64,54 +64,74 @@ static void *scratch(task *t, size_t n)
 }
 
 // ---- the other schemes, on `batch` polynomials for each coefficient, of degrees g m ----
-// out += in factor, the factor of degrees k m.
-static void times_power(task *t, double *out, const double *in, size_t batch, int g, const double *factor, int k)
+static void pack(const kn_convolution *p, double *to, const double *from, bool wide, const kn_nest *nest, int g)
+{
+    const size_t *step = nest->up[g - 1].sum_step;
+    (wide ? kn_convolution_pack_wide : kn_convolution_pack_thin)(p, to, from, step, false);
+}
+
+// out += in power, on level k > 1.
+static void times_power(task *t, double *out, const double *in, size_t batch, int g, const double *power, int k)
 {
     int da[KN_MAX_VARS], db[KN_MAX_VARS];
     const kn_nest *nest = &t->nest;
-    t->adds += (double)batch * (double)nest->count[g] * (double)nest->count[k];
-    if (k == 1) {
-        if (kn_nest_times(t->ctx, out, nest, in, batch, g, factor) != KN_OK) t->failed = true;
-        return;
-    }
+    kn_convolution p;
     for (int d = 0; d < nest->inner; d++) da[d] = g * nest->m[d], db[d] = k * nest->m[d];
+    kn_convolution_init(&p, kn_convolve_best(), nest->inner, da, db);
     kn_mark mark = kn_scratch_mark(t->ctx);
-    double *work = kn_scratch(t->ctx, kn_convolve_work(nest->inner, da, db), sizeof *work);
-    for (size_t i = 0; i < batch; i++)
-        kn_convolve(out + i * nest->count[g + k], nest->inner, in + i * nest->count[g], da, factor, db, 1.0, work);
+    double *thin = scratch(t, p.thin_room), *wide = scratch(t, p.wide_room);
+    pack(&p, p.swapped ? thin : wide, power, !p.swapped, nest, k);
+    for (size_t i = 0; i < batch; i++) {
+        pack(&p, p.swapped ? wide : thin, in + i * nest->room[g], p.swapped, nest, g);
+        kn_convolution_run(&p, out + i * nest->room[g + k], thin, wide, 1.0);
+    }
     kn_scratch_release(t->ctx, mark);
+    t->adds += (double)batch * nest->count[g] * nest->count[k];
+}
+
+static void times(task *t, double *out, const double *in, size_t batch, int g, const double *factor)
+{
+    if (kn_nest_times(t->ctx, out, &t->nest, in, batch, g, factor) != KN_OK) t->failed = true;
+    t->adds += (double)batch * t->nest.count[g] * t->nest.count[1];
 }
 
 // h <- h x + f_i s^(p-i), i = p-1 .. 0: with powers of s.
-static void horner(task *t, double *out, const double *f, int p, size_t batch, int g, const double *x)
+static void horner(task *t, double *out, const double *f, int p, size_t batch, int g, const double *x,
+                   const double *s)
 {
     const kn_nest *nest = &t->nest;
-    const double *h = f + (size_t)p * batch * nest->count[g], *s = x + nest->count[1], *power = s;
+    double *one = scratch(t, nest->room[0]), *power = scratch(t, nest->room[1]);
+    const double *h = f + (size_t)p * batch * nest->room[g];
+    one[0] = 1.0;
+    times(t, power, one, 1, 0, s);
     for (int k = 1; k <= p; k++) {
-        double *next = k == p ? out : scratch(t, batch * nest->count[g + k]);
-        times_power(t, next, h, batch, g + k - 1, x, 1);
-        times_power(t, next, f + (size_t)(p - k) * batch * nest->count[g], batch, g, power, k);
+        double *next = k == p ? out : scratch(t, batch * nest->room[g + k]);
+        const double *term = f + (size_t)(p - k) * batch * nest->room[g];
+        times(t, next, h, batch, g + k - 1, x);
+        if (k == 1)
+            times(t, next, term, batch, g, s);
+        else
+            times_power(t, next, term, batch, g, power, k);
         if (k < p) {
-            double *higher = scratch(t, nest->count[k + 1]);
-            times_power(t, higher, power, 1, k, s, 1);
+            double *higher = scratch(t, nest->room[k + 1]);
+            times(t, higher, power, 1, k, s);
             power = higher;
         }
         h = next;
     }
 }
 
-// b_i <- s b_i + x b_(i+1), b_i the coefficients without their binomials.
-static void casteljau(task *t, double *out, const double *f, int p, size_t batch, int g, const double *x)
+// b_i <- s b_i + x b_(i+1): here the coefficients come without their binomials.
+static void casteljau(task *t, double *out, const double *f, int p, size_t batch, int g, const double *x,
+                      const double *s)
 {
     const kn_nest *nest = &t->nest;
-    size_t n = batch * nest->count[g];
-    double *b = scratch(t, (size_t)(p + 1) * n);
-    for (size_t i = 0; i < (size_t)(p + 1) * n; i++) b[i] = f[i] / kn_binomial(p, (int)(i / n));
+    const double *b = f;
     for (int level = 1; level <= p; level++, g++) {
-        size_t from = batch * nest->count[g], to = batch * nest->count[g + 1];
-        double *next = level == p ? out : scratch(t, (size_t)(p - level + 1) * to);
-        times_power(t, next, b, batch * (size_t)(p - level + 1), g, x + nest->count[1], 1);
-        times_power(t, next, b + from, batch * (size_t)(p - level + 1), g, x, 1);
+        size_t rows = batch * (size_t)(p - level + 1);
+        double *next = level == p ? out : scratch(t, rows * nest->room[g + 1]);
+        times(t, next, b, rows, g, s);
+        times(t, next, b + batch * nest->room[g], rows, g, x);
         b = next;
     }
 }
@@ -125,12 +145,14 @@ static void run_nest(task *t)
     kn_mark mark = kn_scratch_mark(t->ctx);
     int p = t->pair->outer.degree[VARS - 1], g = total_degree(&t->view);
     size_t batch = (size_t)t->pair->outer.ncomp;
-    double *f = scratch(t, (size_t)t->view.ncomp * t->nest.count[g]);
+    double *f = scratch(t, (size_t)t->view.ncomp * t->nest.room[g]);
+    t->nest.outer = VARS - 1;
     if (kn_nest_run(t->ctx, f, &t->nest, &t->view, t->factor) != KN_OK) t->failed = true;
     t->adds = kn_nest_cost(&t->nest, t->view.ncomp);
-    memset(t->value, 0, batch * t->nest.count[g + p] * sizeof *t->value);
-    (t->scheme == HORNER ? horner : casteljau)(t, t->value, f, p, batch, g,
-                                               t->factor + 2 * (size_t)(VARS - 1) * t->nest.count[1]);
+    t->nest.outer = VARS;
+    memset(t->value, 0, batch * t->nest.room[g + p] * sizeof *t->value);
+    const double *x = t->factor + 2 * (size_t)(VARS - 1) * kn_bezier_count(&t->pair->inner);
+    (t->scheme == HORNER ? horner : casteljau)(t, t->value, f, p, batch, g, x, x + kn_bezier_count(&t->pair->inner));
     kn_scratch_release(t->ctx, mark);
 }
 
@@ -176,7 +198,7 @@ static void multiply(long double *c, int nvars, const long double *a, const int 
 static int reference_from(const task *t, long double *out, int comp, int d, size_t at)
 {
     const kn_bezier *outer = &t->pair->outer, *inner = &t->pair->inner;
-    size_t n = t->nest.count[1];
+    size_t n = kn_bezier_count(inner);
     if (d == outer->nvars) {
         out[0] = outer->coef[(size_t)comp * kn_bezier_count(outer) + at];
         return 0;
@@ -201,24 +223,37 @@ static int reference_from(const task *t, long double *out, int comp, int d, size
     for (int level = 1; level <= p; level++, g++)
         for (int i = 0; i <= p - level; i++) {
             for (int k = 0; k < inner->nvars; k++) da[k] = g * inner->degree[k];
-            for (size_t k = 0; k < t->nest.count[g + 1]; k++) next[k] = 0.0L;
+            for (size_t k = 0; k < (size_t)t->nest.count[g + 1]; k++) next[k] = 0.0L;
             multiply(next, inner->nvars, b[i], da, s, inner->degree);
             multiply(next, inner->nvars, b[i + 1], da, x, inner->degree);
             long double *swap = b[i];
             b[i] = next, next = swap;
         }
-    memcpy(out, b[0], t->nest.count[g] * sizeof *out);
+    memcpy(out, b[0], (size_t)t->nest.count[g] * sizeof *out);
     for (int i = 0; i <= p; i++) free(b[i]);
     free(next);
     free(x);
     return g;
 }
 
-// The largest relative error of scaled coefficients, in units of 2^-53.
-static double error_of(const task *t, const long double *reference, size_t n)
+// The largest relative error of coefficients, in units of 2^-53; reference is scaled.
+static double error_of(const task *t, const long double *reference)
 {
-    double worst = 0.0;
-    for (size_t i = 0; i < n; i++) worst = fmax(worst, fabs((double)((t->value[i] - reference[i]) / reference[i])));
+    size_t n = (size_t)t->nest.count[t->nest.sum], ncomp = (size_t)t->pair->outer.ncomp;
+    double worst = 0.0, *value = malloc(n * ncomp * sizeof *value);
+    if (!value) return INFINITY;
+    kn_nest_divide(value, &t->nest, t->value, t->pair->outer.ncomp);
+    for (size_t i = 0; i < n * ncomp; i++) {
+        long double weight = 1.0L;
+        size_t rest = i % n;
+        for (int d = t->nest.inner - 1; d >= 0; d--) {
+            int p = t->nest.sum * t->nest.m[d];
+            weight *= (long double)kn_binomial(p, (int)(rest % (size_t)(p + 1)));
+            rest /= (size_t)(p + 1);
+        }
+        worst = fmax(worst, fabs((double)(value[i] * weight / reference[i] - 1.0L)));
+    }
+    free(value);
     return worst * 0x1p53;
 }
 
@@ -257,8 +292,8 @@ static bool make_view(task *t)
     for (size_t c = 0; c < ncomp; c++)
         for (size_t k = 0; k < count; k++) {
             size_t i = k % (size_t)(p + 1);
-            t->view.coef[(i * ncomp + c) * rest + k / (size_t)(p + 1)] = kn_binomial(p, (int)i) *
-                                                                         outer->coef[c * count + k];
+            double binomial = t->scheme == HORNER ? kn_binomial(p, (int)i) : 1.0;
+            t->view.coef[(i * ncomp + c) * rest + k / (size_t)(p + 1)] = binomial * outer->coef[c * count + k];
         }
     return true;
 }
@@ -270,16 +305,14 @@ static bool set_up(task *t, int expanded)
     t->nest.expanded = expanded;
     for (int d = 0; d < VARS; d++) t->nest.order[d] = d;
     kn_nest_shape(&t->nest, &pair->outer, &pair->inner);
-    size_t all = t->nest.count[total_degree(&pair->outer)] * (size_t)pair->outer.ncomp;
-    t->factor = malloc(2 * VARS * t->nest.count[1] * sizeof(double));
-    t->value = malloc(all * sizeof(double));
+    t->factor = malloc(2 * VARS * kn_bezier_count(&pair->inner) * sizeof(double));
+    t->value = aligned_alloc(64, t->nest.room[t->nest.sum] * (size_t)pair->outer.ncomp * sizeof(double));
     if (!t->factor || !t->value) return false;
     if (kn_nest_factors(t->ctx, t->factor, &t->nest, &pair->inner, NULL, NULL) != KN_OK) return false;
     if (t->scheme == HALVED) {
         t->adds = kn_nest_cost(&t->nest, pair->outer.ncomp);
         return kn_bezier_copy(t->ctx, &t->view, &pair->outer) == KN_OK;
     }
-    t->nest.outer = VARS - 1;
     return make_view(t);
 }
 
@@ -296,8 +329,7 @@ static bool measure_nest(kn_ctx *ctx, const pairing *pair, const variant *v, con
     bool ok = permuted(ctx, &own, pair, v->order) && set_up(&t, v->expanded);
     if (ok) {
         run_nest(&t);
-        size_t n = t.nest.count[total_degree(&own.outer)] * (size_t)own.outer.ncomp;
-        double worst = error_of(&t, reference, n);
+        double worst = error_of(&t, reference);
         t.repeat = (int)(2e7 / t.adds) + 1;
         bench_rival rival = {v->name, nested, &t, 0, 0};
         bench_compare(&rival, 1, BENCH_THREAD);
@@ -326,7 +358,7 @@ static bool measure_nests(kn_ctx *ctx, const pairing *pair)
     };
     task t = {.ctx = ctx, .pair = pair};
     kn_nest_shape(&t.nest, &pair->outer, &pair->inner);
-    size_t n = t.nest.count[total_degree(&pair->outer)], ncomp = (size_t)pair->outer.ncomp;
+    size_t n = (size_t)t.nest.count[t.nest.sum], ncomp = (size_t)pair->outer.ncomp;
     long double *reference = malloc(n * ncomp * sizeof *reference);
     bool ok = reference != NULL;
     for (size_t c = 0; ok && c < ncomp; c++) reference_from(&t, reference + c * n, (int)c, 0, 0);

@@ -2,11 +2,8 @@
 // kn_bezier_compose: outer(inner).
 #include "bezier/shape.h"
 #include "compose/nest.h"
-#include "kernel/bernstein.h"
 
 #include <knurl/compose.h>
-
-#include <string.h>
 
 static kn_status check(kn_ctx *ctx, const kn_bezier *outer, const kn_bezier *inner)
 {
@@ -30,30 +27,17 @@ static kn_status shape_of(kn_ctx *ctx, kn_bezier *result, int sum, const kn_bezi
 
 // The scaled result: with rational inner functions x = X/W each B(x) is replaced by W^p B(X/W), a polynomial again,
 // and the common factor W^(sum of p) is the weight, or cancels when outer is rational.
-static kn_status scaled(kn_ctx *ctx, double *value, const kn_nest *nest, int sum, const kn_bezier *outer,
+static kn_status scaled(kn_ctx *ctx, double *value, const kn_nest *nest, const kn_bezier *outer,
                         const kn_bezier *inner, const double *lo, const double *hi)
 {
-    size_t n = nest->count[1];
+    size_t n = kn_bezier_count(inner);
     double *factor = kn_scratch(ctx, 2 * (size_t)nest->outer * n, sizeof *factor);
     kn_status status = factor ? kn_nest_factors(ctx, factor, nest, inner, lo, hi) : KN_ENOMEM;
     if (status == KN_OK) status = kn_nest_run(ctx, value, nest, outer, factor);
     if (status == KN_OK && inner->rational && !outer->rational)
-        status = kn_nest_power(ctx, value + (size_t)outer->ncomp * nest->count[sum], nest,
-                               inner->coef + (size_t)(inner->ncomp - 1) * n, sum);
+        status = kn_nest_power(ctx, value + (size_t)outer->ncomp * nest->room[nest->sum], nest,
+                               inner->coef + (size_t)(inner->ncomp - 1) * n);
     return status;
-}
-
-kn_status kn_compose_deliver(kn_ctx *ctx, kn_bezier *out, kn_bezier *result, const double *value,
-                             const double *weight)
-{
-    size_t n = kn_bezier_count(result);
-    kn_status status = kn_bezier_begin(ctx, result, out, false, "compose"); // value is all that is needed
-    if (status != KN_OK) return status;
-    for (size_t c = 0; c < (size_t)result->ncomp; c++)
-        for (size_t i = 0; i < n; i++)
-            result->coef[c * n + i] = weight ? value[c * n + i] / weight[i] : value[c * n + i];
-    kn_bezier_end(ctx, out, result);
-    return KN_OK;
 }
 
 static kn_status compute(kn_ctx *ctx, kn_bezier *out, int sum, const kn_bezier *outer, const kn_bezier *inner,
@@ -63,13 +47,15 @@ static kn_status compute(kn_ctx *ctx, kn_bezier *out, int sum, const kn_bezier *
     kn_status status = shape_of(ctx, &result, sum, outer, inner);
     if (status != KN_OK) return status;
     kn_nest *nest = kn_scratch(ctx, 1, sizeof *nest);
-    double *value = kn_scratch(ctx, kn_bezier_count(&result) * (size_t)result.ncomp, sizeof *value);
-    double *weight = kn_scratch(ctx, kn_bezier_count(&result), sizeof *weight);
-    if (!nest || !value || !weight) return KN_ENOMEM;
-    kn_bernstein_weights(weight, result.nvars, result.degree);
+    if (!nest) return KN_ENOMEM;
     kn_nest_plan(nest, outer, inner);
-    status = scaled(ctx, value, nest, sum, outer, inner, lo, hi);
-    return status == KN_OK ? kn_compose_deliver(ctx, out, &result, value, weight) : status;
+    double *value = kn_scratch(ctx, (size_t)result.ncomp * nest->room[sum], sizeof *value);
+    status = value ? scaled(ctx, value, nest, outer, inner, lo, hi) : KN_ENOMEM;
+    if (status == KN_OK) status = kn_bezier_begin(ctx, &result, out, false, "compose"); // the operands are used up
+    if (status != KN_OK) return status;
+    kn_nest_divide(result.coef, nest, value, result.ncomp);
+    kn_bezier_end(ctx, out, &result);
+    return KN_OK;
 }
 
 kn_status kn_compose_over(kn_ctx *ctx, kn_bezier *out, const kn_bezier *outer, const kn_bezier *inner,

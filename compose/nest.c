@@ -12,25 +12,30 @@
 #include "compose/nest.h"
 #include "kernel/bernstein.h"
 #include "kernel/binomial.h"
-#include "kernel/convolve.h"
 #include "kernel/gemm.h"
 
 #include <string.h>
 
-// Numbers of a batch, in and out together, that stay in the first cache.
-enum { CACHED = 3000 };
-
 void kn_nest_shape(kn_nest *nest, const kn_bezier *outer, const kn_bezier *inner)
 {
-    int sum = 0;
+    kn_convolve_level level = kn_convolve_best();
+    int at[KN_MAX_VARS] = {0};
     nest->outer = outer->nvars;
     nest->inner = inner->nvars;
     memcpy(nest->p, outer->degree, sizeof nest->p);
     memcpy(nest->m, inner->degree, sizeof nest->m);
-    for (int d = 0; d < nest->outer; d++) sum += nest->p[d];
-    for (int g = 0; g <= sum || g <= 1; g++) {
-        nest->count[g] = 1;
-        for (int d = 0; d < nest->inner; d++) nest->count[g] *= (size_t)(g * nest->m[d]) + 1;
+    nest->sum = 0;
+    for (int d = 0; d < nest->outer; d++) nest->sum += nest->p[d];
+    nest->room[0] = 8; // a constant, where vectors may begin
+    nest->count[0] = 1.0;
+    for (int g = 0; g < nest->sum; g++) {
+        kn_convolution_init(&nest->up[g], level, nest->inner, nest->m, at);
+        nest->room[g + 1] = nest->up[g].sum_room;
+        nest->count[g + 1] = 1.0;
+        for (int d = 0; d < nest->inner; d++) {
+            at[d] += nest->m[d];
+            nest->count[g + 1] *= at[d] + 1;
+        }
     }
 }
 
@@ -46,8 +51,8 @@ static double form_cost(const kn_nest *nest, int n, int g)
     if (n == 0) return 0.0;
     int k = low_half(n);
     double cost = form_cost(nest, k - 1, g) + form_cost(nest, n - k, g);
-    for (int j = k - 1; j < n; j++) cost += (double)nest->count[g + j];
-    for (int j = n - k; j < n; j++) cost += (double)nest->count[g + j];
+    for (int j = k - 1; j < n; j++) cost += nest->count[g + j];
+    for (int j = n - k; j < n; j++) cost += nest->count[g + j];
     return cost;
 }
 
@@ -57,18 +62,18 @@ double kn_nest_cost(const kn_nest *nest, int ncomp)
     int g = 0;
     for (int j = 0; j < nest->expanded; j++) {
         int p = nest->p[nest->order[j]];
-        for (int q = 1; q <= p; q++, g++) products += (q + 1) * width * (double)nest->count[g];
+        for (int q = 1; q <= p; q++, g++) products += (q + 1) * width * nest->count[g];
         width *= p + 1;
     }
     for (int j = nest->expanded; j < nest->outer; j++) rows *= nest->p[nest->order[j]] + 1;
-    double sums = rows * width * (double)nest->count[g];
+    double sums = rows * width * nest->count[g];
     for (int j = nest->expanded; j < nest->outer; j++) {
         int p = nest->p[nest->order[j]];
         rows /= p + 1;
         products += rows * form_cost(nest, p, g);
         g += p;
     }
-    return sums + (double)nest->count[1] * products;
+    return sums + (nest->sum > 0 ? nest->count[1] : 0.0) * products;
 }
 
 // Variables by degree: the expanded ones from the highest, the others from the lowest.
@@ -107,35 +112,40 @@ void kn_nest_plan(kn_nest *nest, const kn_bezier *outer, const kn_bezier *inner)
 }
 
 // ---- products ----
-// A batch is a polynomial of one variable more, in which the factor has degree 0.
+// The factor is one operand of all products of the batch: it is packed once.
 kn_status kn_nest_times(kn_ctx *ctx, double *out, const kn_nest *nest, const double *in, size_t batch, int g,
                         const double *factor)
 {
-    int da[KN_MAX_VARS + 1], db[KN_MAX_VARS + 1];
-    size_t from = nest->count[g], to = nest->count[g + 1], most = CACHED / (from + to);
-    for (int d = 0; d < nest->inner; d++) {
-        da[d + 1] = g * nest->m[d];
-        db[d + 1] = nest->m[d];
-    }
-    if (most < 1 || nest->inner == KN_MAX_VARS) most = 1;
-    if (most > batch) most = batch;
-    da[0] = (int)most - 1, db[0] = 0;
-    bool plain = most == 1;
+    const kn_convolution *p = &nest->up[g];
+    static const size_t constant[KN_MAX_VARS] = {0};
+    size_t dense[KN_MAX_VARS + 1] = {0};
+    const size_t *step = g > 0 ? nest->up[g - 1].sum_step : constant;
+    dense[nest->inner] = 1;
+    for (int d = nest->inner - 1; d >= 0; d--) dense[d] = dense[d + 1] * ((size_t)nest->m[d] + 1);
     kn_mark mark = kn_scratch_mark(ctx);
-    double *work = kn_scratch(ctx, kn_convolve_work(nest->inner + !plain, da + plain, db + plain), sizeof *work);
-    for (size_t i = 0; work && i < batch; i += most) {
-        if (batch - i < most) da[0] = (int)(batch - i) - 1;
-        kn_convolve(out + i * to, nest->inner + !plain, in + i * from, da + plain, factor, db + plain, 1.0, work);
+    double *thin = kn_scratch(ctx, p->thin_room, sizeof *thin), *wide = kn_scratch(ctx, p->wide_room, sizeof *wide);
+    if (thin && wide) {
+        if (p->swapped)
+            kn_convolution_pack_wide(p, wide, factor, dense + 1, false);
+        else
+            kn_convolution_pack_thin(p, thin, factor, dense + 1, false);
+        for (size_t i = 0; i < batch; i++, in += nest->room[g], out += nest->room[g + 1]) {
+            if (p->swapped)
+                kn_convolution_pack_thin(p, thin, in, step, false);
+            else
+                kn_convolution_pack_wide(p, wide, in, step, false);
+            kn_convolution_run(p, out, thin, wide, 1.0);
+        }
     }
     kn_scratch_release(ctx, mark);
-    return work ? KN_OK : KN_ENOMEM;
+    return thin && wide ? KN_OK : KN_ENOMEM;
 }
 
 // The same into a new array.
 static double *multiplied(kn_ctx *ctx, const kn_nest *nest, const double *in, size_t batch, int g,
                           const double *factor)
 {
-    size_t n = batch * nest->count[g + 1];
+    size_t n = batch * nest->room[g + 1];
     double *out = kn_scratch(ctx, n, sizeof *out);
     if (!out) return NULL;
     memset(out, 0, n * sizeof *out);
@@ -150,50 +160,55 @@ static kn_status add_multiple(kn_ctx *ctx, double *out, const kn_nest *nest, con
     return in ? kn_nest_times(ctx, out, nest, in, batch, g, factor) : KN_ENOMEM;
 }
 
-// out = sum_(i <= n) x^i s^(n-i) f_i, f_i a batch of polynomials of degrees g m at f + i * batch * count[g]; n >= 1.
+// out = sum_(i <= n) x^i s^(n-i) f_i, f_i a batch of polynomials on level g at f + i * batch * room[g]; n >= 1.
 static kn_status form(kn_ctx *ctx, double *out, const kn_nest *nest, const double *f, int n, size_t batch, int g,
-                      const double *x)
+                      const double *x, const double *s)
 {
     int k = low_half(n), degree[2] = {k - 1, n - k};
-    const double *half[2] = {f, f + (size_t)k * batch * nest->count[g]};
+    const double *half[2] = {f, f + (size_t)k * batch * nest->room[g]};
     kn_status status = KN_OK;
-    memset(out, 0, batch * nest->count[g + n] * sizeof *out);
+    memset(out, 0, batch * nest->room[g + n] * sizeof *out);
     for (int i = 0; status == KN_OK && i < 2; i++) {
         kn_mark mark = kn_scratch_mark(ctx);
         const double *value = half[i];
         if (degree[i] > 0) {
-            double *sum = kn_scratch(ctx, batch * nest->count[g + degree[i]], sizeof *sum);
-            status = sum ? form(ctx, sum, nest, half[i], degree[i], batch, g, x) : KN_ENOMEM;
+            double *sum = kn_scratch(ctx, batch * nest->room[g + degree[i]], sizeof *sum);
+            status = sum ? form(ctx, sum, nest, half[i], degree[i], batch, g, x, s) : KN_ENOMEM;
             value = sum;
         }
         if (status == KN_OK)
-            status = add_multiple(ctx, out, nest, value, batch, g + degree[i], i ? x : x + nest->count[1],
-                                  n - degree[i]);
+            status = add_multiple(ctx, out, nest, value, batch, g + degree[i], i ? x : s, n - degree[i]);
         kn_scratch_release(ctx, mark);
     }
     return status;
 }
 
 // ---- expansion and the matrix product ----
-// All x^i s^(p-i) of the expanded variables, the last one slowest: `width` polynomials of degrees g m.
+static size_t factor_count(const kn_nest *nest)
+{
+    return kn_bernstein_count(nest->inner, nest->m);
+}
+
+// All x^i s^(p-i) of the expanded variables, the last one slowest: `width` polynomials on level g.
 static kn_status expand(kn_ctx *ctx, double **basis, size_t *width, int *g, const kn_nest *nest, const double *factor)
 {
     *g = 0, *width = 1;
-    double *now = kn_scratch(ctx, 1, sizeof *now);
+    double *now = kn_scratch(ctx, nest->room[0], sizeof *now);
     if (!now) return KN_ENOMEM;
+    memset(now, 0, nest->room[0] * sizeof *now);
     now[0] = 1.0;
     for (int j = 0; j < nest->expanded; j++) {
-        const double *x = factor + 2 * (size_t)nest->order[j] * nest->count[1];
+        const double *x = factor + 2 * (size_t)nest->order[j] * factor_count(nest), *s = x + factor_count(nest);
         size_t group = *width;
         for (int q = 1; q <= nest->p[nest->order[j]]; q++, (*g)++, *width += group) {
-            size_t from = nest->count[*g], n = (*width + group) * nest->count[*g + 1];
+            size_t to = nest->room[*g + 1], n = (*width + group) * to;
             double *next = kn_scratch(ctx, n, sizeof *next);
             if (!next) return KN_ENOMEM;
             memset(next, 0, n * sizeof *next);
-            kn_status status = kn_nest_times(ctx, next, nest, now, *width, *g, x + nest->count[1]);
+            kn_status status = kn_nest_times(ctx, next, nest, now, *width, *g, s);
             if (status == KN_OK)
-                status = kn_nest_times(ctx, next + *width * nest->count[*g + 1], nest, now + (*width - group) * from,
-                                       group, *g, x);
+                status = kn_nest_times(ctx, next + *width * to, nest, now + (*width - group) * nest->room[*g], group,
+                                       *g, x);
             if (status != KN_OK) return status;
             now = next;
         }
@@ -258,7 +273,7 @@ static kn_status expand_and_combine(kn_ctx *ctx, double *f, size_t rows, const k
     if (!weight || !a) return KN_ENOMEM;
     kn_bernstein_weights(weight, outer->nvars, outer->degree);
     gather(a, width, nest, outer, weight);
-    return combine(ctx, f, a, basis, rows, width, nest->count[g]);
+    return combine(ctx, f, a, basis, rows, width, nest->room[g]);
 }
 
 static kn_status run(kn_ctx *ctx, double *out, const kn_nest *nest, const kn_bezier *outer, const double *factor)
@@ -271,20 +286,21 @@ static kn_status run(kn_ctx *ctx, double *out, const kn_nest *nest, const kn_bez
         else
             rows *= (size_t)nest->p[nest->order[j]] + 1;
     bool all = nest->expanded == nest->outer;
-    double *f = all ? out : kn_scratch(ctx, rows * nest->count[g], sizeof *f);
+    double *f = all ? out : kn_scratch(ctx, rows * nest->room[g], sizeof *f);
     kn_mark mark = kn_scratch_mark(ctx);
     kn_status status = f ? expand_and_combine(ctx, f, rows, nest, outer, factor) : KN_ENOMEM;
     kn_scratch_release(ctx, mark);
     for (int j = nest->expanded; status == KN_OK && j < nest->outer; j++) {
         int p = nest->p[nest->order[j]];
+        const double *x = factor + 2 * (size_t)nest->order[j] * factor_count(nest);
         rows /= (size_t)p + 1;
         bool last = j == nest->outer - 1;
-        double *next = last ? out : p == 0 ? f : kn_scratch(ctx, rows * nest->count[g + p], sizeof *next);
+        double *next = last ? out : p == 0 ? f : kn_scratch(ctx, rows * nest->room[g + p], sizeof *next);
         if (!next) return KN_ENOMEM;
         if (p > 0)
-            status = form(ctx, next, nest, f, p, rows, g, factor + 2 * (size_t)nest->order[j] * nest->count[1]);
+            status = form(ctx, next, nest, f, p, rows, g, x, x + factor_count(nest));
         else if (last)
-            memcpy(out, f, rows * nest->count[g] * sizeof *out);
+            memcpy(out, f, rows * nest->room[g] * sizeof *out);
         f = next;
         g += p;
     }
@@ -322,24 +338,41 @@ kn_status kn_nest_factors(kn_ctx *ctx, double *factor, const kn_nest *nest, cons
     return weight ? KN_OK : KN_ENOMEM;
 }
 
-static kn_status power_of(kn_ctx *ctx, double *out, const kn_nest *nest, const double *w, int power)
+static kn_status power_of(kn_ctx *ctx, double *out, const kn_nest *nest, const double *w)
 {
-    size_t n = nest->count[1];
-    double *factor = kn_scratch(ctx, n, sizeof *factor);
-    if (!factor) return KN_ENOMEM;
+    size_t n = factor_count(nest);
+    double *factor = kn_scratch(ctx, n, sizeof *factor), *one = kn_scratch(ctx, nest->room[0], sizeof *one);
+    if (!factor || !one) return KN_ENOMEM;
     kn_bernstein_weights(factor, nest->inner, nest->m);
     for (size_t i = 0; i < n; i++) factor[i] *= w[i];
-    memset(out, 0, nest->count[power] * sizeof *out);
-    if (power == 1) memcpy(out, factor, n * sizeof *out);
-    return power == 1 ? KN_OK : add_multiple(ctx, out, nest, factor, 1, 1, factor, power - 1);
+    memset(one, 0, nest->room[0] * sizeof *one);
+    one[0] = 1.0;
+    return add_multiple(ctx, out, nest, one, 1, 0, factor, nest->sum);
 }
 
-kn_status kn_nest_power(kn_ctx *ctx, double *out, const kn_nest *nest, const double *w, int power)
+kn_status kn_nest_power(kn_ctx *ctx, double *out, const kn_nest *nest, const double *w)
 {
-    out[0] = 1.0;
-    if (power == 0) return KN_OK;
+    memset(out, 0, nest->room[nest->sum] * sizeof *out);
+    if (nest->sum == 0) {
+        out[0] = 1.0;
+        return KN_OK;
+    }
     kn_mark mark = kn_scratch_mark(ctx);
-    kn_status status = power_of(ctx, out, nest, w, power);
+    kn_status status = power_of(ctx, out, nest, w);
     kn_scratch_release(ctx, mark);
     return status;
+}
+
+void kn_nest_divide(double *out, const kn_nest *nest, const double *value, int ncomp)
+{
+    size_t step[KN_MAX_VARS + 1], n = 1;
+    for (int d = nest->inner - 1; d >= 0; d--) {
+        step[d] = n;
+        n *= (size_t)(nest->sum * nest->m[d]) + 1;
+    }
+    for (int c = 0; c < ncomp; c++, out += n, value += nest->room[nest->sum])
+        if (nest->sum > 0)
+            kn_convolution_divide(&nest->up[nest->sum - 1], out, step, value);
+        else
+            out[0] = value[0];
 }

@@ -4,19 +4,22 @@
 #define COMPOSE_NEST_H
 
 #include "kernel/context.h"
+#include "kernel/convolve.h"
 
 #include <knurl/bezier.h>
 
 enum { KN_NEST_MOST = KN_MAX_VARS * KN_MAX_DEGREE };
 
-// f = sum_i c_i prod_d x_d^(i_d) s_d^(p_d - i_d), x_d and s_d polynomials of inner degrees m: all of them are of
-// degrees g m, g <= sum p, on the way.
+// f = sum_i c_i prod_d x_d^(i_d) s_d^(p_d - i_d), x_d and s_d polynomials of inner degrees m: all polynomials on the
+// way have degrees g m with a *level* g <= sum p, and lie in memory as the sums of kernel/convolve.h do.
 typedef struct kn_nest {
     int outer, inner; // variables
-    int p[KN_MAX_VARS], m[KN_MAX_VARS];
+    int p[KN_MAX_VARS], m[KN_MAX_VARS], sum;
     int order[KN_MAX_VARS]; // of outer's variables: the first `expanded` ones together, then one after the other
     int expanded;
-    size_t count[KN_NEST_MOST + 1]; // coefficients of a polynomial of degrees g m
+    double count[KN_NEST_MOST + 1];  // coefficients on level g
+    size_t room[KN_NEST_MOST + 1];   // numbers that they take
+    kn_convolution up[KN_NEST_MOST]; // the product of a factor, of degrees m, and level g
 } kn_nest;
 
 // The nest of fewest multiply-adds for ncomp components among those that expand one or two variables.
@@ -26,26 +29,23 @@ void kn_nest_shape(kn_nest *nest, const kn_bezier *outer, const kn_bezier *inner
 // Multiply-adds of a nest.
 double kn_nest_cost(const kn_nest *nest, int ncomp);
 
-// out (ncomp polynomials of degrees sum(p) m, scaled) = the nest of outer's components at the factors
-// x_d = factor + 2 d count[1] and s_d behind it, scaled. KN_ENOMEM: scratch.
+// out (ncomp polynomials on the level nest->sum, room after room, scaled) = the nest of outer's components at the
+// factors x_d = factor + 2 d n and s_d behind it, n = prod (m + 1) numbers each, dense and scaled. KN_ENOMEM: scratch.
 kn_status kn_nest_run(kn_ctx *ctx, double *out, const kn_nest *nest, const kn_bezier *outer, const double *factor);
-// out (batch polynomials of degrees (g + 1) m) += in (batch, degrees g m) times a factor of degrees m.
+// out (batch polynomials on level g + 1) += in (batch, level g) times a factor.
 kn_status kn_nest_times(kn_ctx *ctx, double *out, const kn_nest *nest, const double *in, size_t batch, int g,
                         const double *factor);
 // The factors of kn_nest_run from inner's components X_d: x_d = (X_d - lo_d w)/(hi_d - lo_d) and
 // s_d = (hi_d w - X_d)/(hi_d - lo_d), w = 1 for a polynomial inner; lo and hi NULL: 0 and 1.
 kn_status kn_nest_factors(kn_ctx *ctx, double *factor, const kn_nest *nest, const kn_bezier *inner, const double *lo,
                           const double *hi);
-// w^power, scaled, into out; w plain coefficients of inner's degrees.
-kn_status kn_nest_power(kn_ctx *ctx, double *out, const kn_nest *nest, const double *w, int power);
+// w^sum into out, on that level; w plain coefficients of inner's degrees.
+kn_status kn_nest_power(kn_ctx *ctx, double *out, const kn_nest *nest, const double *w);
+// out (ncomp, dense) = plain coefficients of what kn_nest_run and kn_nest_power have made.
+void kn_nest_divide(double *out, const kn_nest *nest, const double *value, int ncomp);
 // kn_bezier_compose over the box [lo,hi] of outer's domain (NULL: the unit box), all checks done.
 kn_status kn_compose_over(kn_ctx *ctx, kn_bezier *out, const kn_bezier *outer, const kn_bezier *inner,
                           const double *lo, const double *hi);
-// The end of an operation: out = result with the coefficients value (divided by weight, one component's, when it is
-// not NULL). out keeps its memory when that is of the right size. Nothing has failed before, and out may be an
-// operand of what made value.
-kn_status kn_compose_deliver(kn_ctx *ctx, kn_bezier *out, kn_bezier *result, const double *value,
-                             const double *weight);
 // The plain reference of kn_bezier_compose: all Bernstein polynomials of each variable, one product after the other.
 kn_status kn_compose_plain(kn_ctx *ctx, kn_bezier *out, const kn_bezier *outer, const kn_bezier *inner);
 

@@ -51,7 +51,7 @@ static kn_status add_radial(kn_ctx *ctx, kn_bezier *out, const kn_bezier *outer,
 {
     int degree[KN_MAX_VARS];
     kn_bezier y = {0}, term = {0};
-    for (int k = 0; k < outer->nvars; k++) degree[k] = outer->degree[k] > 0;
+    for (int k = 0; k < outer->nvars; k++) degree[k] = outer->rational ? outer->degree[k] > 0 : k == d;
     kn_status status = kn_bezier_init(ctx, &y, outer->nvars, 1, false, degree);
     if (status == KN_OK) {
         kn_axis axis = kn_bezier_axis(&y, d);

@@ -29,18 +29,22 @@ kn_status kn_substitution_init(kn_ctx *ctx, kn_substitution *out, int p, const k
     if (!out->matrix || (g->rational && !out->weight)) return KN_ENOMEM;
     kn_mark mark = kn_scratch_mark(ctx);
     kn_nest *nest = kn_scratch(ctx, 1, sizeof *nest);
-    double *factor = kn_scratch(ctx, 2 * m, sizeof *factor), *value = kn_scratch(ctx, rows * columns, sizeof *value);
+    double *factor = kn_scratch(ctx, 2 * m, sizeof *factor), *value = NULL;
     unit.coef = kn_scratch(ctx, columns * columns, sizeof *unit.coef);
-    kn_status status = nest && factor && value && unit.coef ? KN_OK : KN_ENOMEM;
+    kn_status status = nest && factor && unit.coef ? KN_OK : KN_ENOMEM;
     if (status == KN_OK) {
         for (size_t i = 0; i < columns * columns; i++) unit.coef[i] = i % (columns + 1) == 0;
         kn_nest_plan(nest, &unit, g);
-        status = kn_nest_factors(ctx, factor, nest, g, &lo, &hi);
+        value = kn_scratch(ctx, columns * nest->room[p], sizeof *value);
+        status = value ? kn_nest_factors(ctx, factor, nest, g, &lo, &hi) : KN_ENOMEM;
     }
     if (status == KN_OK) status = kn_nest_run(ctx, value, nest, &unit, factor);
-    if (status == KN_OK && g->rational) status = kn_nest_power(ctx, out->weight, nest, g->coef + m, p);
     for (size_t i = 0; status == KN_OK && i < columns; i++)
-        for (size_t k = 0; k < rows; k++) out->matrix[k * columns + i] = value[i * rows + k];
+        for (size_t k = 0; k < rows; k++) out->matrix[k * columns + i] = value[i * nest->room[p] + k];
+    if (status == KN_OK && g->rational) {
+        status = kn_nest_power(ctx, value, nest, g->coef + m);
+        memcpy(out->weight, value, rows * sizeof *value);
+    }
     kn_scratch_release(ctx, mark);
     return status;
 }
@@ -80,12 +84,12 @@ static kn_status substitute(kn_ctx *ctx, kn_bezier *out, const kn_bezier *a, int
     kn_status status = kn_bezier_check(ctx, "substitute", result.nvars, result.ncomp, result.rational, result.degree);
     if (status != KN_OK) return status;
     kn_substitution map;
-    size_t all = kn_bezier_count(&result) * (size_t)result.ncomp;
-    double *value = kn_scratch(ctx, all, sizeof *value);
-    status = value ? kn_substitution_init(ctx, &map, a->degree[var], g, 0.0, 1.0) : KN_ENOMEM;
+    status = kn_substitution_init(ctx, &map, a->degree[var], g, 0.0, 1.0);
+    if (status == KN_OK) status = kn_bezier_begin(ctx, &result, out, kn_bezier_is(out, a), "substitute");
     if (status != KN_OK) return status;
-    replace(value, a, var, &map, weight);
-    return kn_compose_deliver(ctx, out, &result, value, NULL);
+    replace(result.coef, a, var, &map, weight);
+    kn_bezier_end(ctx, out, &result);
+    return KN_OK;
 }
 
 kn_status kn_bezier_substitute(kn_ctx *ctx, kn_bezier *out, const kn_bezier *a, int var, const kn_bezier *g)
