@@ -174,7 +174,8 @@ static void try_axes(kn_oriented_box *out, const cloud *c, double (*direction)[3
         double v[3] = {direction[i][0], direction[i][1], c->dim < 3 ? 0.0 : direction[i][2]};
         have += add_axis(box.axis, have, v);
     }
-    for (int i = 0; i < c->dim && have < c->dim; i++) have += add_axis(box.axis, have, unit[i]);
+    for (int i = 0; i < 3; i++)
+        if (i < c->dim && have < c->dim) have += add_axis(box.axis, have, unit[i]);
     if (c->dim < 3) memcpy(box.axis[2], unit[2], sizeof unit[2]);
     if (have == c->dim && enclose(&box, c) && is_smaller(&box, out)) *out = box;
 }
