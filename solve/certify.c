@@ -8,7 +8,7 @@
 
 #include "kernel/context.h"
 
-enum { STEPS = 12 };
+enum { STEPS = 12, TIGHTENINGS = 12 };
 static const double WIDER = 0.125, LARGEST_KAPPA = 0.8;
 
 // Newton from the middle of the box that is loaded, held inside it; y is left as the inverse at the last point but
@@ -69,25 +69,38 @@ static void polish(kn_finder *f, size_t cell, double *c, const double *width, do
     }
 }
 
+// r_i <= |Y f(c)|_i + sum_d K_id r_d, again and again from r = the radius of the ball.
+static void tighten(const kn_finder *f, double *r, const double *gc, const double *slack, double radius)
+{
+    int n = f->net.nvars;
+    double next[KN_MAX_VARS];
+    for (int i = 0; i < n; i++) r[i] = radius;
+    for (int step = 0; step < TIGHTENINGS; step++) {
+        for (int i = 0; i < n; i++) {
+            double sum = fabs(gc[i]) + slack[i];
+            for (int d = 0; d < n; d++) sum += f->kappa[i * n + d] * r[d];
+            next[i] = fmin(r[i], sum * (1.0 + 0x1p-40));
+        }
+        for (int i = 0; i < n; i++) r[i] = next[i];
+    }
+}
+
 // Fills in the enclosure around the point c. True: the box [lo,hi] holds exactly one root, in the enclosure. Also sets
 // *apart: the box has no root in [inner_lo,inner_hi].
 static bool enclose(const kn_finder *f, kn_found *r, const double *width, const double *gc, const double *slack,
-                    const kn_box *inner, bool *apart)
+                    double kappa, const kn_box *inner, bool *apart)
 {
     int n = f->net.nvars;
-    double radius = 0.0, kappa = 0.0;
+    double radius = 0.0, near[KN_MAX_VARS];
     bool inside = true;
-    for (int i = 0; i < n; i++) {
-        radius = fmax(radius, fabs(gc[i]) + slack[i]);
-        kappa = fmax(kappa, f->kappa[i]);
-    }
+    for (int i = 0; i < n; i++) radius = fmax(radius, fabs(gc[i]) + slack[i]);
     radius *= (1.0 + 0x1p-40) / (1.0 - kappa);
+    tighten(f, near, gc, slack, radius);
     *apart = false;
     for (int i = 0; i < n; i++) {
         double c = r->at[i], ball = width[i] * radius * (1.0 + 0x1p-40) + 0x1p-1000;
-        double tight = width[i] * (fabs(gc[i]) + slack[i] + f->kappa[i] * radius) * (1.0 + 0x1p-40);
+        double tight = width[i] * near[i] * (1.0 + 0x1p-40) + 0x1p-52 * fabs(c) + 0x1p-1000;
         inside = inside && c - ball > r->around_lo[i] && c + ball < r->around_hi[i];
-        tight = fmin(ball, tight) + 0x1p-52 * fabs(c) + 0x1p-1000;
         r->lo[i] = c - tight;
         r->hi[i] = c + tight;
         *apart = *apart || c + ball * 1.001 < inner->lo[i] || c - ball * 1.001 > inner->hi[i];
@@ -140,13 +153,14 @@ kn_status kn_finder_certify(kn_ctx *ctx, kn_finder *f, kn_fate *fate, const kn_b
         *fate = KN_FATE_EMPTY;
         return KN_OK;
     }
-    if (!(kn_finder_kappa(f) < LARGEST_KAPPA)) return KN_OK;
+    double kappa = kn_finder_kappa(f);
+    if (!(kappa < LARGEST_KAPPA)) return KN_OK;
     for (int d = 0; d < n; d++) r.at[d] = r.around_lo[d] + s[d] * width[d];
     residual(f, b->cell, r.at, gc, slack);
     polish(f, b->cell, r.at, width, gc, slack);
     for (int d = 0; d < n; d++) // polishing must not leave the box
         if (!(r.at[d] >= r.around_lo[d] && r.at[d] <= r.around_hi[d])) return KN_OK;
-    bool one = enclose(f, &r, width, gc, slack, b, &apart);
+    bool one = enclose(f, &r, width, gc, slack, kappa, b, &apart);
     if (apart) *fate = KN_FATE_EMPTY;
     return one ? settle(ctx, f, fate, &r) : KN_OK;
 }

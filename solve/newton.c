@@ -129,11 +129,15 @@ double kn_finder_kappa(kn_finder *f)
     double most = 0.0;
     for (int i = 0; i < n; i++) {
         double sum = 0.0, *g = f->g + (size_t)i * f->net.count, big = kn_largest(g, f->net.count);
-        for (int d = 0; d < n; d++)
-            sum += departure(&f->square, g, d, f->ratio[d], i == d) +
-                   f->ratio[d] * f->net.degree[d] * (2.0 * f->g_error[i] + kn_rounding(8.0) * big) + kn_rounding(4.0);
-        f->kappa[i] = sum * (1.0 + 0x1p-40);
-        most = f->kappa[i] <= most ? most : f->kappa[i];
+        for (int d = 0; d < n; d++) {
+            double rounding = 2.0 * f->g_error[i] + kn_rounding(8.0) * big;
+            double k = departure(&f->square, g, d, f->ratio[d], i == d) + f->ratio[d] * f->net.degree[d] * rounding +
+                       kn_rounding(4.0);
+            f->kappa[i * n + d] = k *= 1.0 + 0x1p-40;
+            sum += k;
+        }
+        sum *= 1.0 + 0x1p-40;
+        most = sum <= most ? most : sum;
     }
     return most;
 }

@@ -47,12 +47,12 @@ typedef struct kn_found {
 typedef struct kn_finder {
     const kn_cells *cells;
     kn_solve_options options;
-    kn_net net, square;          // the system, and as many combinations of it as there are variables
-    double *coef, *error, *work; // of the system over the box at hand
-    double *g, *g_error;         // Y times it
-    double *y;                   // square.ncomp x net.ncomp
-    double ratio[KN_MAX_VARS];   // derivatives are taken in units of the box, or of this many of them
-    double kappa[KN_MAX_VARS];   // max |I - dg/ds| over the box, row by row, rounding included
+    kn_net net, square;                      // the system, and as many combinations of it as there are variables
+    double *coef, *error, *work;             // of the system over the box at hand
+    double *g, *g_error;                     // Y times it
+    double *y;                               // square.ncomp x net.ncomp
+    double ratio[KN_MAX_VARS];               // derivatives are taken in units of the box, or of this many of them
+    double kappa[KN_MAX_VARS * KN_MAX_VARS]; // max |I - dg/ds| over the box, rounding included
     kn_found *found;
     size_t nfound, room;
 } kn_finder;
@@ -67,7 +67,7 @@ void kn_net_jacobian(const kn_net *net, const double *coef, const double *s, dou
 bool kn_left_inverse(double *y, const double *matrix, int m, int n);
 // g = y coef, g_error.
 void kn_finder_combine(kn_finder *f);
-// Fills in kappa; the largest.
+// Fills in kappa; its largest row sum.
 double kn_finder_kappa(kn_finder *f);
 // Whether some function of a net cannot vanish.
 bool kn_net_excluded(const kn_net *net, const double *coef, const double *error);
