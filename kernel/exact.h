@@ -6,7 +6,7 @@
 
 #include <stdbool.h>
 
-enum { KN_EXACT_TERMS = 8 };
+enum { KN_EXACT_TERMS = 64 };
 
 // Whether sum_i (a[i] - b[i]) c[i] is zero, i < n <= KN_EXACT_TERMS, in exact arithmetic. Where products come near the
 // ends of the range of doubles, which would hide a part of them, the answer is false.

@@ -45,30 +45,39 @@ static void compose(kn_band *both, const kn_band *then, const kn_band *now, int 
     }
 }
 
-kn_status kn_spline_elevate_in_scratch(kn_ctx *ctx, kn_spline *s, int var, int degree)
+kn_status kn_spline_elevation_band(kn_ctx *ctx, kn_band *band, double **to, double *knots, int p, int count,
+                                   int degree)
 {
-    int p = s->degree[var], n = s->count[var] + p + 1, spans = kn_spline_spans(s, var), count = n - p - 1;
-    double *knots = s->knots[var];
-    kn_band band = {0};
+    int n = count + p + 1, spans = kn_knots_spans(knots, p, count);
     for (int q = p; q < degree; q++) {
         kn_band step, both;
         if (n > INT_MAX - spans - 1) return kn_fail(ctx, KN_ELIMIT, "spline: too many knots");
-        double *to = kn_scratch(ctx, (size_t)n + (size_t)spans + 1, sizeof *to);
-        if (!to) return KN_ENOMEM;
-        n = raise_knots(to, knots, n);
+        *to = kn_scratch(ctx, (size_t)n + (size_t)spans + 1, sizeof **to);
+        if (!*to) return KN_ENOMEM;
+        n = raise_knots(*to, knots, n);
         kn_status status = kn_spline_refining_band(ctx, &step, n - q - 2, q + 1);
         if (status != KN_OK) return status;
-        kn_band_elevate(&step, knots, q, count, to);
-        knots = to, count = step.rows;
+        kn_band_elevate(&step, knots, q, count, *to);
+        knots = *to, count = step.rows;
         if (q > p) {
             status = kn_spline_refining_band(ctx, &both, step.rows, p + 1);
             if (status != KN_OK) return status;
-            compose(&both, &step, &band, p + 1);
+            compose(&both, &step, band, p + 1);
             step = both;
         }
-        band = step;
+        *band = step;
     }
-    return degree > p ? kn_spline_map_in_scratch(ctx, s, var, degree, knots, &band) : KN_OK;
+    return KN_OK;
+}
+
+kn_status kn_spline_elevate_in_scratch(kn_ctx *ctx, kn_spline *s, int var, int degree)
+{
+    kn_band band;
+    double *to;
+    if (degree == s->degree[var]) return KN_OK;
+    kn_status status = kn_spline_elevation_band(ctx, &band, &to, s->knots[var], s->degree[var], s->count[var],
+                                                degree);
+    return status == KN_OK ? kn_spline_map_in_scratch(ctx, s, var, degree, to, &band) : status;
 }
 
 kn_status kn_spline_unite_in_scratch(kn_ctx *ctx, kn_spline *s, int var, const double *more, int n)

@@ -7,6 +7,9 @@
 
 // s with this degree, not below its own, in var, each knot as much more often.
 kn_status kn_spline_elevate_in_scratch(kn_ctx *ctx, kn_spline *s, int var, int degree);
+// The map to `degree` > p of splines of degree p on knots, with its divisor; *to, in scratch, are the new knots.
+kn_status kn_spline_elevation_band(kn_ctx *ctx, kn_band *band, double **to, double *knots, int p, int count,
+                                   int degree);
 // s with the knots of var and those of the sorted list `more`, none of them outside the domain, each as often as
 // either has it. Nothing happens where s has them all.
 kn_status kn_spline_unite_in_scratch(kn_ctx *ctx, kn_spline *s, int var, const double *more, int n);

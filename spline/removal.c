@@ -178,7 +178,7 @@ static double change_of(const removal *r, const kn_rows *g)
         }
         for (int q = 0; q < dim; q++) square = hypot(square, x[q]);
         if (g->rational) square = (square + fabs(x[dim]) * weight) / w;
-        if (!(square <= most)) most = square;
+        if (square > most || isnan(square)) most = square;
     }
     return most;
 }
