@@ -2,6 +2,8 @@
 // kn_bezier_compose, kn_compose_piece: symbolic composition against direct evaluation.
 #include "tests/support/support.h"
 
+#include "compose/nest.h"
+
 #include <knurl/compose.h>
 #include <math.h>
 #include <string.h>
@@ -107,6 +109,84 @@ static void exact_on_integers(void **state)
     assert_true(out.degree[0] == 2 && out.coef[0] == -17 && out.coef[1] == -47 && out.coef[2] == -127);
     kn_bezier_clear(ctx, &out);
     test_ctx_end(ctx, &memory);
+}
+
+// The fast nest against the plain reference, both with relative errors inside the unit cell: up to eight variables
+// of either, constants and points among them. Degree sums stay below 13: both errors below 2^9 u.
+static void equals_the_reference(void **state)
+{
+    (void)state;
+    test_rng rng = test_random(3);
+    test_memory memory = TEST_MEMORY_INIT;
+    kn_ctx *ctx = test_ctx(&memory, 1);
+    for (int run = 0; run < test_scale(40); run++) {
+        kn_bezier outer = {0}, inner = {0}, fast = {0}, plain = {0};
+        int most = run % 4 == 0 ? KN_MAX_VARS : 3, vars = test_int(&rng, 1, most), x = test_int(&rng, 0, most),
+            degree[8];
+        bool rational = run & 1;
+        for (int d = 0; d < 8; d++) degree[d] = most > 3 ? d % 3 == 0 : test_int(&rng, 0, 4);
+        assert_int_equal(kn_bezier_init(ctx, &outer, vars, 2, false, degree), KN_OK);
+        for (int d = 0; d < 8; d++) degree[d] = most > 3 ? d == x - 1 || d == 0 : test_int(&rng, 0, 2);
+        assert_int_equal(kn_bezier_init(ctx, &inner, x, vars + rational, rational, degree), KN_OK);
+        size_t n = kn_bezier_count(&inner);
+        for (size_t i = 0; i < 2 * kn_bezier_count(&outer); i++) outer.coef[i] = test_uniform(&rng, 0.5, 1);
+        for (size_t i = 0; i < n; i++) {
+            double w = rational ? test_uniform(&rng, 0.5, 2) : 1;
+            for (int c = 0; c < vars; c++) inner.coef[(size_t)c * n + i] = w * test_uniform(&rng, 0, 1);
+            if (rational) inner.coef[(size_t)vars * n + i] = w;
+        }
+        assert_int_equal(kn_bezier_compose(ctx, &fast, &outer, &inner), KN_OK);
+        assert_int_equal(kn_compose_plain(ctx, &plain, &outer, &inner), KN_OK);
+        assert_true(fast.ncomp == plain.ncomp && fast.nvars == plain.nvars && fast.rational == plain.rational);
+        assert_int_equal(kn_bezier_count(&fast), kn_bezier_count(&plain));
+        for (size_t i = 0; i < kn_bezier_count(&fast) * (size_t)fast.ncomp; i++)
+            assert_true(fabs(fast.coef[i] - plain.coef[i]) <= 0x1p-43 * plain.coef[i]);
+        kn_bezier_clear(ctx, &outer), kn_bezier_clear(ctx, &inner);
+        kn_bezier_clear(ctx, &fast), kn_bezier_clear(ctx, &plain);
+    }
+    test_ctx_end(ctx, &memory);
+}
+
+// Once out and the scratch memory have their sizes; rational or not, in place of an operand of that size too.
+static void repeated_calls_allocate_nothing(void **state)
+{
+    (void)state;
+    test_rng rng = test_random(4);
+    test_memory memory = TEST_MEMORY_INIT;
+    kn_ctx *ctx = test_ctx(&memory, 1);
+    kn_bezier outer[2] = {{0}}, inner[2] = {{0}}, g = {0}, out[5] = {{0}};
+    const int three[3] = {3, 3, 1}, one[1] = {2};
+    for (int i = 0; i < 2; i++) {
+        test_random_bezier(ctx, &outer[i], &rng, 3, 3 + i, i, three, 3);
+        test_random_bezier(ctx, &inner[i], &rng, 2, 3 + i, i, three, 3);
+    }
+    test_random_bezier(ctx, &g, &rng, 1, 2, true, one, 3);
+    size_t before = 0;
+    for (int run = 0; run < 5; run++) {
+        if (run == 2) before = kn_ctx_counters(ctx).allocations;
+        for (int i = 0; i < 4; i++)
+            assert_int_equal(kn_bezier_compose(ctx, &out[i], &outer[i & 1], &inner[i >> 1]), KN_OK);
+        assert_int_equal(kn_bezier_substitute(ctx, &out[4], &outer[0], 1, &g), KN_OK);
+    }
+    assert_int_equal(kn_ctx_counters(ctx).allocations, before);
+    for (int i = 0; i < 2; i++) kn_bezier_clear(ctx, &outer[i]), kn_bezier_clear(ctx, &inner[i]);
+    for (int i = 0; i < 5; i++) kn_bezier_clear(ctx, &out[i]);
+    kn_bezier_clear(ctx, &g);
+    test_ctx_end(ctx, &memory);
+}
+
+// Multiply-adds by hand, of a cubic function of a linear one: with one component its 4 basis functions are expanded,
+// 2 x 2 + 3 x 4 + 4 x 6 products' terms and 4 x 4 sums; put in, the halves are x (c_2 s + c_3 x) x and so on.
+static void counts_multiply_adds(void **state)
+{
+    (void)state;
+    kn_bezier outer = {.nvars = 1, .ncomp = 1, .degree = {3}}, inner = {.nvars = 1, .ncomp = 1, .degree = {1}};
+    kn_nest nest;
+    kn_nest_plan(&nest, &outer, &inner);
+    assert_int_equal(nest.expanded, 1);
+    assert_true(kn_nest_cost(&nest, 1) == 2 * 2 + 3 * 4 + 4 * 6 + 4 * 4);
+    nest.expanded = 0; // 4 coefficients times 2; both halves times 2 twice: of degrees 1 and 2
+    assert_true(kn_nest_cost(&nest, 1) == 4 + 4 * 2 + 2 * 2 * 2 + 2 * 3 * 2);
 }
 
 // The piece of a shell by hand: S and n of their own degrees, T = S + w n. Out of the unit cell too.
@@ -257,7 +337,11 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {cmocka_unit_test(matches_direct_evaluation),
                                        cmocka_unit_test(exact_on_integers),
-                                       cmocka_unit_test(piece_matches_direct_evaluation), cmocka_unit_test(failures),
+                                       cmocka_unit_test(equals_the_reference),
+                                       cmocka_unit_test(repeated_calls_allocate_nothing),
+                                       cmocka_unit_test(counts_multiply_adds),
+                                       cmocka_unit_test(piece_matches_direct_evaluation),
+                                       cmocka_unit_test(failures),
                                        cmocka_unit_test(allocation_failures)};
     return cmocka_run_group_tests_name("compose/compose", tests, NULL, NULL);
 }
