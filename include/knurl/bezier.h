@@ -166,10 +166,27 @@ KN_API KN_CHECKED kn_status kn_bezier_components(kn_ctx *ctx, kn_bezier *out, co
 // error:  gamma(sum over raised d of (T_d + 2)) |a|_k, |a| elevated too; T_d terms,
 //         min(a.degree[d], the rise, k_d, degree[d] - k_d) + 1 for coefficient k.
 KN_API KN_CHECKED kn_status kn_bezier_elevate(kn_ctx *ctx, kn_bezier *out, const kn_bezier *a, const int *degree);
-// The least degrees, variable by variable, that represent a within tolerance (0: exactly); nvars numbers.
+// The least degrees, variable by variable, that represent a within tolerance.
+// in:     tolerance >= 0. 0: a is a polynomial of these degrees in exact arithmetic (where numbers near the ends of
+//         the range of doubles hide that, the answer is higher).
+// out:    nvars numbers: degree[d] with those of the variables before it lowered already, so that kn_bezier_reduce to
+//         all of them has an error <= tolerance where tolerance > 0. Unchanged on failure.
+// fails:  KN_EDOMAIN tolerance.
+// cost:   a reduction and its bound for each degree that is tried; at 0 count * degree^2 exact sums.
 KN_API KN_CHECKED kn_status kn_bezier_least_degree(kn_ctx *ctx, int *degree, const kn_bezier *a, double tolerance);
-// out = a with lower degrees degree[d] <= a's; *error >= |out - a| over [0,1]^nvars, rounding included (NULL: not
-// wanted).
+// out = a with lower degrees.
+// in:     0 <= degree[d] <= a's.
+// out:    lines of coefficients that are of the lower degree, but for rounding, are taken back: an elevation is undone,
+//         bit for bit when it was exact. Others become the nearest in the sense of least squares of coefficients, with
+//         both ends kept bit for bit (in a variable that keeps a degree >= 1): faces depend on faces, and neighbours
+//         still meet. *error >= |out - a| (Euclidean norm of values) over [0,1]^nvars, rounding included; 0 only when
+//         out is a exactly; INFINITY when a coefficient is not finite, or a weight of a or out not positive. NULL: not
+//         wanted.
+// fails:  KN_EDOMAIN degree.
+// error:  *error: at most 1.25 times the largest distance, where halving the difference some hundred times shows
+//         that, and rounding; with weights also (max |out - center| max |dw|) / min w.
+// cost:   least squares: count * degree^2 multiply-adds a variable; the bound: that of up to 512 halvings.
+// source: Lutterkort, Peters & Reif, CAGD 16 (1999); Ahn, Lee, Park & Yoo, CAGD 21 (2004).
 KN_API KN_CHECKED kn_status kn_bezier_reduce(kn_ctx *ctx, kn_bezier *out, double *error, const kn_bezier *a,
                                              const int *degree);
 // out(.., x_var, ..) = a(.., 1 - x_var, ..), bit for bit. fails: KN_EDOMAIN var.

@@ -136,13 +136,30 @@ KN_API KN_CHECKED kn_status kn_spline_derivative(kn_ctx *ctx, kn_spline *out, co
 // error:  convex combinations: for each variable and each step from p to p + 1 gamma(6 V + 2 D) |a|_k, |a| elevated
 //         too: D knots are different among the p + 1 of the elevated vector between which the coefficient lies, and
 //         V have all their copies among them, one less if all have; of all coefficients the largest such number.
-// cost:   each step: prod count * (p + 1) multiply-adds, and p^3 for each coefficient of that variable.
+// cost:   prod count * (p + 1) multiply-adds a variable, whatever the rise, and for each coefficient of a variable and
+//         step D blossoms of the V knots that are not a's.
 // source: by blossoms (Ramshaw, Blossoms are polar forms, CAGD 6, 1989); Prautzsch, CAGD 1 (1984).
 KN_API KN_CHECKED kn_status kn_spline_elevate(kn_ctx *ctx, kn_spline *out, const kn_spline *a, const int *degree);
 
-// The least degrees that represent a within tolerance (0: exactly), variable by variable; nvars numbers.
+// The least degrees that represent a within tolerance, variable by variable.
+// in:     tolerance >= 0. 0: elevation of the reduced spline gives a's knots and coefficients again, bit for bit.
+// out:    nvars numbers: degree[d] with those of the variables before it lowered already, so that kn_spline_reduce to
+//         all of them has an error <= tolerance where tolerance > 0. Unchanged on failure.
+// fails:  KN_EDOMAIN tolerance.
+// cost:   a reduction and, for tolerance > 0, its bound for each degree that is tried.
 KN_API KN_CHECKED kn_status kn_spline_least_degree(kn_ctx *ctx, int *degree, const kn_spline *a, double tolerance);
-// out = a with lower degrees; *error >= |out - a| over the domain, rounding included (NULL: not wanted).
+// out = a with lower degrees.
+// in:     0 <= degree[d] <= a's.
+// out:    a break of multiplicity m keeps max(m - fall of the degree, 1) knots: the continuity stays. Lines of
+//         coefficients that are of the lower degree, but for rounding, are taken back, by the pieces: an elevation is
+//         undone. Others become the nearest in the sense of least squares of the coefficients on the knots of the
+//         elevated result, with both ends of the domain kept bit for bit (in a variable that keeps a degree >= 1).
+//         *error >= |out - a| (Euclidean norm of values) over the domain, rounding included; INFINITY when a
+//         coefficient is not finite, or a weight of a or out not positive. NULL: not wanted.
+// fails:  KN_EDOMAIN degree; KN_ELIMIT the grid on which both are compared.
+// error:  *error as for kn_bezier_reduce, over all pieces of the difference.
+// cost:   least squares: prod count * degree^2 multiply-adds a variable; the bound: all pieces of the difference.
+// source: as kn_bezier_reduce; banded least squares by Givens rotations.
 KN_API KN_CHECKED kn_status kn_spline_reduce(kn_ctx *ctx, kn_spline *out, double *error, const kn_spline *a,
                                              const int *degree);
 // out_r = sum_c matrix[r * dim(a) + c] a_c + offset[r] for r < dim; offset NULL: zeros. All else as kn_bezier_affine.
@@ -185,20 +202,52 @@ KN_API KN_CHECKED kn_status kn_spline_divergence(kn_ctx *ctx, kn_spline *out, co
 KN_API KN_CHECKED kn_status kn_spline_lipschitz(kn_ctx *ctx, double *out, const kn_spline *a);
 
 // ---- pieces ----
-// Removes interior knots of variable var, as many as the bound *error <= tolerance allows (0: those whose removal is
-// exact); *error >= |out - a| over the domain, rounding included (NULL: not wanted).
+// out = a with fewer knots in variable var.
+// in:     tolerance >= 0; INFINITY is one.
+// out:    first all knots go whose removal is exact in exact arithmetic with numbers that doubles hold: what exact
+//         insertion put there, leaving the bits that were there before it. Then, for tolerance > 0, the cheapest ones
+//         in turn, each moving as few coefficients as little as possible. *error >= |out - a| (Euclidean norm of
+//         values) over the domain, rounding included, and *error <= tolerance; 0 when no more than the exact ones
+//         went. NULL: not wanted. The ends of the domain stay bit for bit.
+// fails:  KN_EDOMAIN var, tolerance, or tolerance > 0 and a weight that is not positive.
+// error:  *error: the largest distance of coefficients on a's knots, projected when rational, plus gamma(6 p + 3) of
+//         the largest.
+// cost:   rounds of prod count * (p + 1) multiply-adds each, about (2 p + 3) log n of them.
+// source: Tiller, Knot-removal algorithms for NURBS curves and surfaces, CAD 24 (1992); Lyche & Morken, Knot removal
+//         for parametric B-spline curves and surfaces, CAGD 4 (1987).
 KN_API KN_CHECKED kn_status kn_spline_remove_knots(kn_ctx *ctx, kn_spline *out, double *error, const kn_spline *a,
                                                    int var, double tolerance);
 // out = a on a grid that contains, in every variable d, the n[d] knots (each as often as it is listed, or as a has
 // it).
+// in:     any order; knots at the ends of the domain are allowed and change nothing, so that the knots of another
+//         spline of the same degrees will do.
+// fails:  KN_EDOMAIN n[d] < 0, a knot outside the domain, or listed more than degree + 1 times; KN_ELIMIT.
+// error:  and cost as kn_spline_insert_knots, in each variable.
 KN_API KN_CHECKED kn_status kn_spline_refine(kn_ctx *ctx, kn_spline *out, const kn_spline *a, const int *n,
                                              const double *const *knots);
 // Brings n splines over one domain, in place, to the same degrees and knots; values are unchanged.
+// in:     list[0 .. n-1]: the same variables; dimensions and weights may differ. n 0 and 1: nothing happens.
+// out:    in each variable the highest degree, and each knot as often as the roughest of them needs. A spline that has
+//         them already is not touched. All of the list is unchanged on failure.
+// fails:  KN_EDOMAIN n < 0, an empty one, other variables or domains (bit for bit); KN_ELIMIT.
+// error:  and cost of elevation and knot insertion: all convex combinations.
 KN_API KN_CHECKED kn_status kn_spline_make_compatible(kn_ctx *ctx, kn_spline *list, int n);
 // One spline of a and b, where a ends in var b begins: with the continuity they have there within tolerance.
+// in:     the same variables, dimension and domains (bit for bit) but for var, where b's begins at the end of a's.
+//         A polynomial beside a rational one has the weight 1; homogeneous coordinates are compared.
+// out:    degrees and cross knots made compatible (convex combinations, with their rounding, where they differ). The
+//         common break has degree + 1 knots less those that kn_spline_remove_knots can remove there within tolerance:
+//         with 0 those whose removal is exact, and ends that agree bit for bit are joined. Ends that are too far apart
+//         stay apart: a jump. *error as there: of the joining. NULL: not wanted.
+// fails:  KN_EDOMAIN var, domains, dimensions, tolerance, or tolerance > 0 and a weight that is not positive;
+//         KN_ELIMIT.
+// cost:   as elevation, refinement and removal.
 KN_API KN_CHECKED kn_status kn_spline_merge(kn_ctx *ctx, kn_spline *out, double *error, const kn_spline *a,
                                             const kn_spline *b, int var, double tolerance);
-// The same values over [lo,hi] in variable var.
+// The same values over [lo,hi] in variable var: out(.., lo + x (hi - lo), ..) = a(.., a_lo + x (a_hi - a_lo), ..).
+// out:    coefficients stay bit for bit; lo and hi are its domain exactly, and equal knots stay equal.
+// fails:  KN_EDOMAIN var, not lo < hi, not finite, or two different knots would become one.
+// error:  each knot is the exact one, computed to twice the precision and rounded once.
 KN_API KN_CHECKED kn_status kn_spline_reparameterize(kn_ctx *ctx, kn_spline *out, const kn_spline *a, int var,
                                                      double lo, double hi);
 // out(.., x_var, ..) = a(.., lo + hi - x_var, ..) over the same domain [lo,hi] of var.
@@ -215,7 +264,8 @@ KN_API KN_CHECKED kn_status kn_spline_isoparametric(kn_ctx *ctx, kn_spline *out,
 // error:  convex combinations without any cancellation: gamma(6 v + 1) sum_k w_ik |c_k|, v <= p the new
 //         knots among the p between which the coefficient lies. Coefficients that no new knot concerns stay bit for
 //         bit.
-// cost:   ncomp prod count * (p + 1) multiply-adds, and p^2 for each coefficient of that variable.
+// cost:   ncomp prod count * (v + 1) multiply-adds, and v (v + 1) for each coefficient of that variable; nothing is
+//         allocated when out has the right size.
 // source: the Oslo algorithm, by blossoms; Lyche & Morken, Making the Oslo algorithm more efficient, SINUM 23 (1986).
 KN_API KN_CHECKED kn_status kn_spline_insert_knots(kn_ctx *ctx, kn_spline *out, const kn_spline *a, int var,
                                                    const double *knots, int n);
