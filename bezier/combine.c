@@ -159,6 +159,31 @@ void kn_chain_run(const kn_chain *c, const kn_operand *operands, double *out, si
 }
 
 // ---- pieces ----
+static void small_operand(kn_small_operand *s, const kn_bezier *a, bool with_one)
+{
+    s->coef = a->coef, s->ncomp = a->ncomp, s->with_one = with_one;
+    s->rows = a->nvars > 1 ? a->degree[0] + 1 : 1;
+    s->columns = a->nvars > 0 ? a->degree[a->nvars - 1] + 1 : 1;
+}
+
+// Small products of two operands: true when it is done, or has failed.
+static bool multiply_small(kn_ctx *ctx, kn_status *status, kn_bezier *out, kn_bezier *c,
+                           const kn_bezier *const *operands, const kn_formula *f)
+{
+    kn_small_operand a, b;
+    if (c->nvars > 2 || f->ninner > 0 || !kn_small_in_order(f->terms, f->nterms, f->ncomp)) return false;
+    small_operand(&a, operands[0], kn_terms_want(f->terms, f->nterms, 0, operands[0]->ncomp));
+    small_operand(&b, operands[1], kn_terms_want(f->terms, f->nterms, 1, operands[1]->ncomp));
+    if (!kn_small_fits(a.rows, a.columns, a.ncomp + a.with_one, b.rows, b.columns, b.ncomp + b.with_one))
+        return false;
+    *status = kn_bezier_begin_checked(ctx, c, out, false);
+    if (*status == KN_OK) {
+        kn_small_run(c->coef, &a, &b, f->terms, f->nterms);
+        kn_bezier_end(ctx, out, c);
+    }
+    return true;
+}
+
 kn_status kn_bezier_multiply(kn_ctx *ctx, const char *what, kn_bezier *out, const kn_bezier *const *operands,
                              const kn_formula *f)
 {
@@ -170,7 +195,7 @@ kn_status kn_bezier_multiply(kn_ctx *ctx, const char *what, kn_bezier *out, cons
     for (int i = 0; i < n; i++)
         for (int d = 0; d < c.nvars; d++) c.degree[d] += operands[i]->degree[d];
     kn_status status = kn_bezier_check(ctx, what, c.nvars, c.ncomp, c.rational, c.degree);
-    if (status != KN_OK) return status;
+    if (status != KN_OK || multiply_small(ctx, &status, out, &c, operands, f)) return status;
     for (int i = 0; i < n; i++) {
         kn_operand_init(&o[i], operands[i], kn_formula_wants_one(f, i, operands[i]->ncomp));
         comps[i] = o[i].ncomp + o[i].with_one, degree[i] = operands[i]->degree;
@@ -178,7 +203,7 @@ kn_status kn_bezier_multiply(kn_ctx *ctx, const char *what, kn_bezier *out, cons
     kn_mark mark = kn_scratch_mark(ctx);
     status = kn_chain_init(ctx, &chain, f, c.nvars, degree, comps);
     // Operands are packed before out is written to, even when it is one of them.
-    if (status == KN_OK) status = kn_bezier_begin(ctx, &c, out, false, what);
+    if (status == KN_OK) status = kn_bezier_begin_checked(ctx, &c, out, false);
     if (status == KN_OK) {
         kn_operand_init(&to, &c, false);
         kn_chain_run(&chain, o, c.coef, to.component, to.step);

@@ -6,14 +6,10 @@
 
 #include "bezier/shape.h"
 #include "kernel/convolve.h"
+#include "kernel/convolve_small.h"
 
-// Component `to` of the result += sign * component a of the first operand * component b of the second.
-// The component kn_bezier_dim(x) is the weight of x: 1 for a polynomial piece.
-typedef struct kn_term {
-    int to, a, b;
-    double sign;
-} kn_term;
-
+// A term (kn_term, kernel/convolve_small.h): component `to` of the result += sign * component a of the first operand *
+// component b of the second. The component kn_bezier_dim(x) is the weight of x: 1 for a polynomial piece.
 enum { KN_MAX_TERMS = 2 * KN_MAX_COMPS };
 
 // out = the result of the terms. c: its nvars, ncomp and rational; its degrees become the sums of the operands'. out

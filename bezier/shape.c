@@ -102,7 +102,11 @@ kn_status kn_bezier_store(kn_ctx *ctx, kn_bezier *out, const kn_bezier *c)
 kn_status kn_bezier_begin(kn_ctx *ctx, kn_bezier *c, const kn_bezier *out, bool is_operand, const char *what)
 {
     kn_status status = kn_bezier_check(ctx, what, c->nvars, c->ncomp, c->rational, c->degree);
-    if (status != KN_OK) return status;
+    return status == KN_OK ? kn_bezier_begin_checked(ctx, c, out, is_operand) : status;
+}
+
+kn_status kn_bezier_begin_checked(kn_ctx *ctx, kn_bezier *c, const kn_bezier *out, bool is_operand)
+{
     size_t n = (size_t)c->ncomp * kn_bezier_count(c);
     if (n != numbers(out))
         c->coef = kn_alloc(ctx, n, sizeof *c->coef);

@@ -45,6 +45,8 @@ static inline bool kn_bezier_is(const kn_bezier *out, const kn_bezier *a)
 // Room for the shape that c has, after kn_bezier_check: out's own array if it fits and out is no operand, scratch if
 // it fits and out is one, else a new array.
 kn_status kn_bezier_begin(kn_ctx *ctx, kn_bezier *c, const kn_bezier *out, bool is_operand, const char *what);
+// The same for a shape that kn_bezier_check has accepted.
+kn_status kn_bezier_begin_checked(kn_ctx *ctx, kn_bezier *c, const kn_bezier *out, bool is_operand);
 // out becomes c, which kn_bezier_begin has made for it.
 void kn_bezier_end(kn_ctx *ctx, kn_bezier *out, kn_bezier *c);
 
