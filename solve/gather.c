@@ -26,18 +26,18 @@ static double to_domain(double lo, double hi, double s)
     return s == 1.0 ? hi : lo + s * (hi - lo);
 }
 
-// at lies in the domain. An end that is an end of the cell is exact.
-static kn_root root_of(const kn_finder *f, const kn_found *r)
+// An end that is an end of the cell is exact.
+kn_root kn_cells_root(const kn_cells *cells, const kn_found *r)
 {
-    const double *box = box_of(f, r->cell);
-    int n = f->net.nvars;
+    int n = cells->net.nvars;
+    const double *box = cells->box + r->cell * 2 * (size_t)n;
     kn_root out = {.kind = r->kind, .least = r->kind == KN_ROOT_UNIQUE, .most = r->kind == KN_ROOT_UNIQUE ? 1 : -1};
     for (int d = 0; d < n; d++) {
         double lo = box[d], hi = box[n + d], more = slack(lo, hi);
         out.lo[d] = to_domain(lo, hi, r->lo[d]) - (r->lo[d] == 0.0 || r->lo[d] == 1.0 ? 0.0 : more);
         out.hi[d] = to_domain(lo, hi, r->hi[d]) + (r->hi[d] == 0.0 || r->hi[d] == 1.0 ? 0.0 : more);
-        out.at[d] = fmin(fmax(to_domain(lo, hi, r->at[d]), f->cells->lo[d]), f->cells->hi[d]);
-        out.at_edge = out.at_edge || out.lo[d] <= f->cells->lo[d] || out.hi[d] >= f->cells->hi[d];
+        out.at[d] = fmin(fmax(to_domain(lo, hi, r->at[d]), cells->lo[d]), cells->hi[d]);
+        out.at_edge = out.at_edge || out.lo[d] <= cells->lo[d] || out.hi[d] >= cells->hi[d];
     }
     return out;
 }
@@ -260,7 +260,7 @@ kn_status kn_finder_gather(kn_ctx *ctx, kn_finder *f, kn_root **roots, size_t *n
         kn_free(ctx, out);
         return KN_ENOMEM;
     }
-    for (size_t i = 0; i < n; i++) out[i] = root_of(f, &f->found[i]);
+    for (size_t i = 0; i < n; i++) out[i] = kn_cells_root(f->cells, &f->found[i]);
     if (merge) n = joined(f, out, seam, parent);
     qsort(out, n, sizeof *out, by_place);
     *roots = out;

@@ -80,7 +80,9 @@ kn_status kn_finder_certify(kn_ctx *ctx, kn_finder *f, kn_fate *fate, const kn_b
 kn_status kn_finder_keep(kn_ctx *ctx, kn_finder *f, const kn_found *found);
 // The values of the functions at a point of a cell near [0,1]^nvars, in twofold arithmetic, and their errors.
 void kn_cell_value(const kn_cells *cells, size_t cell, const double *at, double *value, double *error, double *work);
+// A root of a cell in the domain's parameters, rounded outwards; `at` lies in the domain.
+kn_root kn_cells_root(const kn_cells *cells, const kn_found *r);
 // What is found becomes roots: in the domain's parameters, those on common faces joined.
-kn_status kn_finder_gather(kn_ctx *ctx, kn_finder *f, kn_root **roots, size_t *nroots, bool join);
+kn_status kn_finder_gather(kn_ctx *ctx, kn_finder *f, kn_root **roots, size_t *nroots, bool merge);
 
 #endif

@@ -160,8 +160,12 @@ static kn_status add(kn_ctx *ctx, const builder *b, kn_cells *cells, const int *
         }
         for (int k = 0; k < kn_spline_dim(s); k++, c++, coef += n) {
             kn_window(b->window, s, k, span);
-            for (size_t j = 0; j < count; j++) b->window[j] *= b->scale[c];
-            error[c] = kn_largest(b->window, count) < 0x1p-900 ? kn_underflow() : 0.0;
+            error[c] = 0.0;
+            for (size_t j = 0; j < count; j++) {
+                double x = b->window[j];
+                b->window[j] = x * b->scale[c];
+                if (x != 0.0 && fabs(b->window[j]) < 0x1p-1021) error[c] = kn_underflow(); // else it is exact
+            }
             kn_extract(b->window, &error[c], s->degree, s->nvars, matrix, b->window + n);
             kn_raise(b->window, &error[c], s->nvars, s->degree, cells->net.degree, b->window + n);
             memcpy(coef, b->window, n * sizeof *coef);

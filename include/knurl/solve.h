@@ -107,6 +107,18 @@ KN_API KN_CHECKED kn_status kn_solve_zeros_bezier(kn_ctx *ctx, kn_root **roots, 
                                                   kn_solve_report *report, const kn_bezier *f, int nf,
                                                   const kn_solve_options *options);
 
+// ---- roots of one function of one variable ----
+// All roots of f, of one variable and dimension 1 (else KN_EDOMAIN), in the closed domain.
+// out:    as kn_solve_zeros, with `least` and `most`. A box lo == hi is an exact root, of multiplicity least == most when
+//         f is a piece or the knots allow it. KN_ROOT_POSSIBLE only where 106 bits do not decide: `most` by Descartes.
+//         A piece that is zero throughout is one possible root, report->curve_like.
+// error:  coefficients of a piece count as exact; those of a spline's spans have the rounding of knot insertion.
+// cost:   about 100 (degree + 1)^2 flops for each halving; a simple root takes a few, and twenty values.
+// source: Lane & Riesenfeld, Bounds on a polynomial, BIT 21 (1981); Mourrain, Rouillier & Roy, The Bernstein basis and
+//         real root isolation, MSRI Publ. 52 (2005).
+KN_API KN_CHECKED kn_status kn_solve_roots(kn_ctx *ctx, kn_root **roots, size_t *nroots, kn_solve_report *report,
+                                           const kn_spline *f, const kn_solve_options *options);
+
 #ifdef __cplusplus
 }
 #endif

@@ -158,16 +158,13 @@ int roots_between(const double *coef, int n, double a, double b)
 
 int roots_sign(const double *coef, int n, double x)
 {
+    if (x == 0.0) return (coef[0] > 0.0) - (coef[0] < 0.0);
     fmpz_poly_t p;
     fmpz_poly_init(p);
     roots_of_array(p, coef, n);
     restrict_doubles(p, n, 0.0, x);
-    int sign = x == 0.0 ? fmpz_sgn(fmpz_poly_get_coeff_ptr(p, 0)) : 0;
-    if (x == 0.0) {
-        sign = coef[0] > 0.0 ? 1 : coef[0] < 0.0 ? -1 : 0;
-    } else if (fmpz_poly_degree(p) == n) {
-        sign = fmpz_sgn(fmpz_poly_get_coeff_ptr(p, n));
-    }
+    int sign = fmpz_poly_degree(p) == n ? fmpz_sgn(fmpz_poly_get_coeff_ptr(p, n))
+                                        : 0; // the last coefficient is the value
     fmpz_poly_clear(p);
     return sign;
 }
