@@ -273,6 +273,7 @@ static kn_status reserve(kn_ctx *ctx, kn_mesh *mesh, size_t vertices, size_t tri
 static kn_status check(kn_ctx *ctx, const kn_mesh *mesh, const kn_bezier *patch, const int segments[2])
 {
     int dim = patch->ncomp - (patch->rational ? 1 : 0);
+    if (!patch->coef) return kn_fail(ctx, KN_EDOMAIN, "mesh: a patch without coefficients");
     if (patch->nvars != 2 || dim != 3)
         return kn_fail(ctx, KN_EDOMAIN, "mesh: a patch of %d variables in dimension %d; 2 and 3 are wanted",
                        patch->nvars, dim);

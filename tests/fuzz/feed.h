@@ -89,6 +89,14 @@ static inline int feed_wild(feed *f, int lo, int hi)
     return b >= 248 ? absurd[feed_byte(f) % 9] : lo + b % (hi - lo + 1);
 }
 
+// lo .. hi, one time in 32 a number too small for any array.
+static inline int feed_count(feed *f, int lo, int hi)
+{
+    static const int absurd[] = {-1, INT_MIN, 0, -3};
+    int b = feed_byte(f);
+    return b >= 248 ? absurd[b % 4] : lo + b % (hi - lo + 1);
+}
+
 // Multiples of 1/16 mostly; one time in 16 something else.
 static inline double feed_number(feed *f)
 {

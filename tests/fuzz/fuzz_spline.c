@@ -160,7 +160,7 @@ static kn_status binary(machine *m, int call, kn_spline *out, const kn_spline *a
     case 2: return kn_spline_dot(f->ctx, out, a, b);
     case 3: return kn_spline_cross(f->ctx, out, a, b);
     case 4: return kn_spline_merge(f->ctx, out, &error, a, b, variable(m, a), feed_number(f));
-    default: return kn_spline_make_compatible(f->ctx, m->slot, feed_wild(f, 0, SLOTS - 1) % SLOTS);
+    default: return kn_spline_make_compatible(f->ctx, m->slot, feed_count(f, 0, SLOTS));
     }
 }
 

@@ -288,6 +288,8 @@ static void refusals_leave_the_mesh_alone(void **state)
     int one[2] = {1, 1};
     assert_int_equal(kn_bezier_init(ctx, &curve, 1, 3, false, one), KN_OK);
     assert_int_equal(kn_bezier_init(ctx, &plane, 2, 3, true, one), KN_OK);
+    kn_bezier bare = good; // no coefficients
+    bare.coef = NULL;
     kn_mesh mesh = {0};
     add(ctx, &mesh, &good, 1, 1, false);
     kn_mesh before = mesh;
@@ -296,9 +298,13 @@ static void refusals_leave_the_mesh_alone(void **state)
         int segments[2];
         kn_status status;
     } refused[] = {
-        {&curve, {1, 1}, KN_EDOMAIN},       {&plane, {1, 1}, KN_EDOMAIN},
-        {&good, {0, 1}, KN_EDOMAIN},        {&good, {1, -3}, KN_EDOMAIN},
-        {&good, {65535, 65535}, KN_ELIMIT}, {&good, {2147483647, 2147483647}, KN_ELIMIT},
+        {&curve, {1, 1}, KN_EDOMAIN},
+        {&plane, {1, 1}, KN_EDOMAIN},
+        {&good, {0, 1}, KN_EDOMAIN},
+        {&good, {1, -3}, KN_EDOMAIN},
+        {&bare, {1, 1}, KN_EDOMAIN},
+        {&good, {65535, 65535}, KN_ELIMIT},
+        {&good, {2147483647, 2147483647}, KN_ELIMIT},
     };
     for (size_t i = 0; i < sizeof refused / sizeof *refused; i++) {
         kn_ctx_clear_error(ctx);
