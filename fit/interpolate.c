@@ -23,9 +23,7 @@ static kn_status solve_axis(kn_ctx *ctx, kn_spline *s, int var, const double *si
     kn_collocation_factor(&c, axis.knots, sites, span);
     if (!kn_collocation_regular(&c))
         return kn_fail(ctx, KN_EUNDECIDED,
-                       "fit_interpolate: variable %d: a B-spline vanishes at its site by "
-                       "underflow",
-                       var);
+                       "fit_interpolate: variable %d: singular to working precision, or by underflow", var);
     kn_collocation_solve(&c, s->coef, kn_spline_outer(s, var), kn_spline_inner(s, var));
     return KN_OK;
 }

@@ -10,7 +10,7 @@
 // ---- collocation: as many sites as B-splines ----
 // Row i has the values of the B-splines at site[i], all within degree of the diagonal. The matrix is totally
 // positive, so that elimination needs no pivoting (de Boor & Pinkus, Numer. Math. 27, 1977): L and U are
-// non-negative, |L||U| = A, and the computed c has |A c - f| <= (5 gamma(5 degree) + ..) A |c|; docs/numerics.md.
+// non-negative, |L||U| = A, and the computed c has |A c - f| <= gamma(8 degree + 4) A |c|; docs/numerics.md.
 typedef struct kn_collocation {
     int count, degree;
     double *band; // count rows of 2 degree + 1: the L U factors, L with unit diagonal
@@ -19,7 +19,7 @@ size_t kn_collocation_room(int count, int degree); // doubles for `band`
 // site_span[i]: the knot span whose polynomials serve site i.
 void kn_collocation_factor(kn_collocation *c, const double *knots, const double *site, const int *site_span);
 // Whether all pivots are positive and finite: with sites that keep the conditions of Schoenberg and Whitney false
-// only when values underflow.
+// only when values underflow, or the condition passes 1/u.
 bool kn_collocation_regular(const kn_collocation *c);
 // in place, data (outer, count, inner): values at the sites become coefficients.
 void kn_collocation_solve(const kn_collocation *c, double *data, size_t outer, size_t inner);

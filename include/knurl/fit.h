@@ -25,8 +25,9 @@ extern "C" {
 //         for bit.
 // fails:  KN_EDOMAIN sites that do not increase or lie outside; KN_EUNDEFINED unless each B-spline is positive at its
 //         site, t_i < site_i < t_i+p+1 or at an end (Schoenberg & Whitney): the message names variable and index;
-//         KN_EUNDECIDED where such a value underflows.
-// error:  |A c - f| <= ((1 + e)^nvars - 1) A|c|, e = gamma(11 p + 8) of the largest degree: whatever the condition.
+//         KN_EUNDECIDED where such a value underflows, or rounding makes a pivot vanish: a condition beyond 1/u, as
+//         of equally spaced sites and degrees above 40.
+// error:  |A c - f| <= gamma(sum_d (8 p_d + 4)) A|c|, whatever the condition.
 // cost:   3 p^2 count[d] for the factors and 4 p multiply-adds for each value, in each variable; scratch (2 p + 1)
 //         count[d] numbers.
 // source: de Boor, A Practical Guide to Splines, chapter XIII; de Boor & Pinkus, Numer. Math. 27 (1977).
@@ -119,7 +120,7 @@ typedef kn_status (*kn_fit_function)(void *user, double *value, const double *at
 // fails:  KN_EDOMAIN an interior knot that occurs degree + 1 times; whatever `function` answers.
 // error:  O(h^(p+1)) for smooth functions: (1 + |Q|) times the distance from polynomials, |Q| the largest sum of
 //         absolute weights: 1, 1.5, 1.7, 2.2 .. for degrees 1, 2, 3, 4 .. inside equal spans, larger at the ends and
-//         on uneven ones. Polynomials come out with gamma(sum_d (19 p_d + 12)) prod_d (|Q_d| + 1) times the largest
+//         on uneven ones. Polynomials come out with gamma(sum_d (16 p_d + 8)) prod_d (|Q_d| + 1) times the largest
 //         absolute value of their blossoms near by.
 // cost:   prod count values of the function; p^3 for each coefficient of each variable; p + 1 multiply-adds for each
 //         coefficient in each variable.

@@ -59,9 +59,9 @@ static double weight_sum(kn_ctx *ctx, const double *knots, int degree, int count
 
 // ---- reproduction ----
 
-// The functional w of a coefficient solves (V + dV)^T w = b + db, |dV| <= gamma(11 p + 8) V, |db| <= gamma(5 p) |b|, the
+// The functional w of a coefficient solves (V + dV)^T w = b + db, |dV| <= gamma(8 p + 4) V, |db| <= gamma(5 p) |b|, the
 // rows of V and |b| sum to 1: applied to a polynomial with Bernstein coefficients at most M it errs by
-// gamma(16 p + 8) (|w| + 1) M at most, its own sum by gamma(p + 2) |w| M, the values of f by gamma(2 p + 2) M |w|. M is
+// gamma(13 p + 4) (|w| + 1) M at most, its own sum by gamma(p + 2) |w| M, the values of f by gamma(2 p + 2) M |w|. M is
 // the sum of |a_k| X^k where |x| <= X: blossoms of x^k are means of products of k numbers of the interval.
 static void reproduces_polynomials(void **state)
 {
@@ -88,7 +88,7 @@ static void reproduces_polynomials(void **state)
                 size = fmax(size, sum);
             }
             tolerance *= (weight_sum(ctx, knots[d], p, count[d]) + 1.0) * size;
-            operations += 19 * p + 12;
+            operations += 16 * p + 8;
         }
         kn_spline q = {0};
         assert_int_equal(kn_fit_quasi(ctx, &q, f.nvars, f.dim, f.degree, count, k, polynomial_at, &f), KN_OK);
