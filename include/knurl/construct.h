@@ -122,7 +122,7 @@ KN_API KN_CHECKED kn_status kn_construct_swept_frame(kn_ctx *ctx, kn_spline *out
 //         differ, that of the lower variable wins. Of surfaces S_u x S_v follows from the curves.
 // fails:  KN_EDOMAIN shapes, domains, faces that do not meet (the message says which); KN_EUNDEFINED weights that do
 //         not stay positive.
-// error:  gamma(6 nvars) of the sums of absolute values. Rational: sums of homogeneous coordinates.
+// error:  gamma(sum_d (p_d + 8)) of the sums of absolute values. Rational: sums of homogeneous coordinates.
 // source: Coons (1967); Gordon, Blending-function methods of bivariate and multivariate interpolation, SINUM 8
 //         (1971).
 KN_API KN_CHECKED kn_status kn_construct_coons(kn_ctx *ctx, kn_spline *out, int nvars, const kn_spline *const *faces,

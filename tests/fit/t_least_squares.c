@@ -83,7 +83,7 @@ static void assert_minimum(kn_ctx *ctx, const kn_spline *s, double residual, con
 {
     double norm[4] = {0}, value[2], largest = 0.0, operations = check_eval_operations(s);
     size_t n = kn_spline_count(s), dim = (size_t)w->dim;
-    for (int d = 0; d < w->nvars; d++) operations += 6.0 * (double)(w->npoints + n) + 5 * w->degree[d];
+    for (int d = 0; d < w->nvars; d++) operations += 9.0 * (double)(w->npoints + n) + 5 * w->degree[d];
     for (size_t i = 0; i < n * dim; i++) norm[0] += s->coef[i] * s->coef[i];
     static double off[2 * POINTS];
     for (size_t i = 0; i < w->npoints; i++) {
@@ -209,7 +209,7 @@ static void reproduces_the_space(void **state)
             assert_int_equal((kind ? scattered : on_grid)(ctx, &s, &residual, &w), KN_OK);
             norm = 0.0;
             for (size_t i = 0; i < n; i++) norm += s.coef[i] * s.coef[i] + a.coef[i] * a.coef[i];
-            double operations = 2.0 * check_eval_operations(&a) + w.nvars * (6.0 * (double)(w.npoints + n) + 5 * 4);
+            double operations = 2.0 * check_eval_operations(&a) + w.nvars * (9.0 * (double)(w.npoints + n) + 5 * 4);
             assert_true(residual <= check_gamma(operations) * 2.0 * w.nvars * sqrt((double)w.npoints * norm));
         }
         kn_spline_clear(ctx, &a);

@@ -186,7 +186,7 @@ static void interpolation_of_high_degree(void **state)
 }
 
 // A curve c that minimises |(A + dA) c - (f + df)|, |dA| <= g |A|, |df| <= g |f| in Frobenius norms, has
-// |A^T (A c - f)| <= g |A| (2 (|A| |c| + |f|)) + O(g^2), g = gamma(6 (m + n) + 5 p).
+// |A^T (A c - f)| <= g |A| (2 (|A| |c| + |f|)) + O(g^2), g = gamma(9 (m + n) + 5 p).
 static void least_squares_is_stationary(void **state)
 {
     (void)state;
@@ -226,7 +226,7 @@ static void least_squares_is_stationary(void **state)
         fmpq_t of_size;
         fmpq_init(of_size), fmpq_of_double(of_size, size);
         for (int j = 0; j < n; j++)
-            exact_judge_one(&judge, 0.0, fmpq_mat_entry(gradient, j, 0), of_size, 6 * (m + n) + 5 * p);
+            exact_judge_one(&judge, 0.0, fmpq_mat_entry(gradient, j, 0), of_size, 9 * (m + n) + 5 * p);
         fmpq_clear(of_size);
         fmpq_mat_clear(a), fmpq_mat_clear(at), fmpq_mat_clear(one), fmpq_mat_clear(value), fmpq_mat_clear(gradient);
         kn_spline_clear(ctx, &s);
