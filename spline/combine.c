@@ -4,6 +4,7 @@
 #include "spline/combine.h"
 
 #include <limits.h>
+#include <string.h>
 
 #include "kernel/context.h"
 
@@ -104,6 +105,19 @@ kn_status kn_spline_split_in_scratch(kn_ctx *ctx, kn_spline *s, const kn_grid *g
     return KN_OK;
 }
 
+// Rows from their first weight to their last that is not zero: what kn_band_apply then does is what it must do.
+static void drop_zeros(kn_band *band)
+{
+    for (int i = 0; i < band->rows; i++) {
+        double *w = band->w + (size_t)i * (size_t)band->width;
+        int first = 0, last = band->width - 1;
+        while (last > 0 && w[last] == 0.0) last--;
+        while (first < last && w[first] == 0.0) first++;
+        if (first > 0) memmove(w, w + first, (size_t)(last - first + 1) * sizeof *w);
+        band->first[i] += first, band->terms[i] = last - first + 1;
+    }
+}
+
 kn_status kn_spline_join_in_scratch(kn_ctx *ctx, kn_spline *s, const kn_grid *grid)
 {
     for (int d = 0; d < s->nvars; d++) {
@@ -111,10 +125,11 @@ kn_status kn_spline_join_in_scratch(kn_ctx *ctx, kn_spline *s, const kn_grid *gr
         int nknots = kn_knots_repeat(NULL, grid->breaks[d], grid->times[d], n);
         kn_band band;
         double *to = kn_scratch(ctx, (size_t)nknots, sizeof *to);
-        kn_status status = to ? kn_spline_band(ctx, &band, nknots - p - 1, p + 1) : KN_ENOMEM;
+        kn_status status = to ? kn_spline_refining_band(ctx, &band, nknots - p - 1, p + 1) : KN_ENOMEM;
         if (status != KN_OK) return status;
         kn_knots_repeat(to, grid->breaks[d], grid->times[d], n);
         kn_band_join(&band, grid->breaks[d], n, p, to);
+        drop_zeros(&band);
         status = kn_spline_map_in_scratch(ctx, s, d, p, to, &band);
         if (status != KN_OK) return status;
     }

@@ -3,10 +3,8 @@
 #include "spline/calculus.h"
 #include "kernel/context.h"
 
-static kn_status rational_piece(kn_ctx *ctx, kn_bezier *out, const kn_bezier *a, const kn_bezier *b,
-                                const double *size, const void *user)
+static kn_status rational_piece(kn_ctx *ctx, kn_bezier *out, const kn_bezier *a, const double *size, const void *user)
 {
-    (void)b;
     int var = *(const int *)user;
     kn_status status = kn_bezier_derivative(ctx, out, a, var);
     size_t n = kn_bezier_count(out) * (size_t)kn_bezier_dim(out);
@@ -58,7 +56,7 @@ kn_status kn_spline_derivative(kn_ctx *ctx, kn_spline *out, const kn_spline *a, 
 {
     kn_status status = kn_spline_expect(ctx, "spline_derivative", a, var);
     if (status != KN_OK) return status;
-    if (a->rational) return kn_spline_by_pieces(ctx, "spline_derivative", out, a, NULL, rational_piece, &var, var);
+    if (a->rational) return kn_spline_by_pieces(ctx, "spline_derivative", out, a, rational_piece, &var, var);
 
     kn_mark mark = kn_scratch_mark(ctx);
     kn_spline s = *a;

@@ -4,10 +4,9 @@
 #include "kernel/context.h"
 #include "spline/calculus.h"
 
-static kn_status rational_piece(kn_ctx *ctx, kn_bezier *out, const kn_bezier *a, const kn_bezier *b,
-                                const double *size, const void *user)
+static kn_status rational_piece(kn_ctx *ctx, kn_bezier *out, const kn_bezier *a, const double *size, const void *user)
 {
-    (void)b, (void)user;
+    (void)user;
     return kn_bezier_divergence_over(ctx, "spline_divergence", out, a, size);
 }
 
@@ -29,8 +28,7 @@ kn_status kn_spline_divergence(kn_ctx *ctx, kn_spline *out, const kn_spline *a)
     if (kn_spline_dim(a) != a->nvars)
         return kn_fail(ctx, KN_EDOMAIN, "spline_divergence: %d components over %d variables", kn_spline_dim(a),
                        a->nvars);
-    if (a->rational)
-        return kn_spline_by_pieces(ctx, "spline_divergence", out, a, NULL, rational_piece, NULL, KN_EVERY_VAR);
+    if (a->rational) return kn_spline_by_pieces(ctx, "spline_divergence", out, a, rational_piece, NULL, KN_EVERY_VAR);
     kn_mark mark = kn_scratch_mark(ctx);
     kn_spline g;
     status = kn_spline_partial_knots(ctx, &g, a);

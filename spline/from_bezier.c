@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // A spline from its Bezier pieces: the exact inverse of kn_spline_to_bezier.
+#include <limits.h>
 #include <math.h>
 #include <string.h>
 
-#include "spline/internal.h"
 #include "kernel/context.h"
+#include "spline/combine.h"
 
 static kn_status check_breaks(kn_ctx *ctx, const kn_bezier *shape, const int *nbreaks, const double *const *breaks,
                               const int *continuity)
@@ -45,6 +46,7 @@ static kn_status make_grid(kn_ctx *ctx, kn_grid *grid, const kn_bezier *shape, c
         if (!grid->breaks[d] || !grid->times[d]) return KN_ENOMEM;
         memcpy(grid->breaks[d], breaks[d], n * sizeof(double));
         for (size_t i = 0; i < n; i++) grid->times[d][i] = shape->degree[d] - continuity[d];
+        grid->times[d][0] = grid->times[d][n - 1] = shape->degree[d] + 1;
     }
     return KN_OK;
 }
@@ -69,16 +71,20 @@ kn_status kn_spline_from_bezier(kn_ctx *ctx, kn_spline *out, const kn_bezier *pi
     const kn_bezier *shape = &pieces[0];
     kn_status status = check_breaks(ctx, shape, nbreaks, breaks, continuity);
     if (status != KN_OK) return status;
-    kn_spline s = {0};
+    kn_spline s = {.nvars = shape->nvars, .ncomp = shape->ncomp, .rational = shape->rational};
     kn_grid grid;
+    for (int d = 0; d < s.nvars; d++) {
+        s.degree[d] = shape->degree[d];
+        if (nbreaks[d] - 1 > INT_MAX / (s.degree[d] + 1))
+            return kn_fail(ctx, KN_ELIMIT, "spline_from_bezier: %d breaks, variable %d", nbreaks[d], d);
+        s.count[d] = (nbreaks[d] - 1) * (s.degree[d] + 1);
+    }
     kn_mark mark = kn_scratch_mark(ctx);
     status = make_grid(ctx, &grid, shape, nbreaks, breaks, continuity);
-    if (status == KN_OK)
-        status = kn_spline_alloc_split(ctx, &s, shape->nvars, shape->ncomp, shape->rational, shape->degree, &grid);
+    if (status == KN_OK) status = kn_spline_in_scratch(ctx, "spline_from_bezier", &s);
     if (status == KN_OK) status = put_pieces(ctx, &s, pieces, &grid);
-    if (status == KN_OK) status = kn_spline_join(ctx, &s, &grid);
-    if (status == KN_OK) kn_spline_swap(out, &s);
-    kn_spline_clear(ctx, &s);
+    if (status == KN_OK) status = kn_spline_join_in_scratch(ctx, &s, &grid);
+    if (status == KN_OK) status = kn_spline_store(ctx, out, &s);
     kn_scratch_release(ctx, mark);
     return status;
 }

@@ -4,10 +4,9 @@
 #include "kernel/context.h"
 #include "spline/calculus.h"
 
-static kn_status rational_piece(kn_ctx *ctx, kn_bezier *out, const kn_bezier *a, const kn_bezier *b,
-                                const double *size, const void *user)
+static kn_status rational_piece(kn_ctx *ctx, kn_bezier *out, const kn_bezier *a, const double *size, const void *user)
 {
-    (void)b, (void)user;
+    (void)user;
     return kn_bezier_gradient_over(ctx, "spline_gradient", out, a, size);
 }
 
@@ -15,8 +14,7 @@ kn_status kn_spline_gradient(kn_ctx *ctx, kn_spline *out, const kn_spline *a)
 {
     kn_status status = kn_spline_expect(ctx, "spline_gradient", a, 0);
     if (status != KN_OK) return status;
-    if (a->rational)
-        return kn_spline_by_pieces(ctx, "spline_gradient", out, a, NULL, rational_piece, NULL, KN_EVERY_VAR);
+    if (a->rational) return kn_spline_by_pieces(ctx, "spline_gradient", out, a, rational_piece, NULL, KN_EVERY_VAR);
     kn_mark mark = kn_scratch_mark(ctx);
     kn_spline g;
     status = kn_spline_partial_knots(ctx, &g, a);

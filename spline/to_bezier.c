@@ -7,19 +7,15 @@
 static kn_status saturate(kn_ctx *ctx, kn_spline *s, int var)
 {
     int p = s->degree[var], nbreaks = kn_knots_breaks(NULL, NULL, s->knots[var], p, s->count[var]);
-    kn_mark mark = kn_scratch_mark(ctx);
     double *breaks = kn_scratch(ctx, (size_t)nbreaks, sizeof *breaks);
     int *times = kn_scratch(ctx, (size_t)nbreaks, sizeof *times);
     double *to = kn_scratch(ctx, (size_t)nbreaks * (size_t)(p + 1), sizeof *to);
-    kn_status status = breaks && times && to ? KN_OK : KN_ENOMEM;
-    if (status == KN_OK) {
-        kn_knots_breaks(breaks, times, s->knots[var], p, s->count[var]);
-        for (int i = 0; i < nbreaks; i++)
-            if (times[i] < p) times[i] = p;
-        status = kn_spline_refine_axis(ctx, s, var, to, kn_knots_repeat(to, breaks, times, nbreaks) - p - 1);
-    }
-    kn_scratch_release(ctx, mark);
-    return status;
+    if (!breaks || !times || !to) return KN_ENOMEM;
+    kn_knots_breaks(breaks, times, s->knots[var], p, s->count[var]);
+    for (int i = 0; i < nbreaks; i++)
+        if (times[i] < p) times[i] = p;
+    int rows = kn_knots_repeat(to, breaks, times, nbreaks) - p - 1;
+    return rows == s->count[var] ? KN_OK : kn_spline_refine_in_scratch(ctx, s, var, to, rows);
 }
 
 static kn_status copy_pieces(kn_ctx *ctx, kn_bezier *pieces, size_t npieces, const kn_spline *s)
@@ -47,9 +43,10 @@ kn_status kn_spline_to_bezier(kn_ctx *ctx, kn_bezier **pieces, size_t *npieces, 
     size_t n = 1;
     for (int d = 0; d < a->nvars; d++) n *= (size_t)kn_spline_spans(a, d);
 
-    kn_spline s = {0};
+    kn_spline s = *a;
+    kn_mark mark = kn_scratch_mark(ctx);
     kn_bezier *all = kn_alloc_zero(ctx, n, sizeof *all);
-    status = all ? kn_spline_copy(ctx, &s, a) : KN_ENOMEM;
+    status = all ? KN_OK : KN_ENOMEM;
     for (int d = 0; d < a->nvars && status == KN_OK; d++) status = saturate(ctx, &s, d);
     if (status == KN_OK) status = copy_pieces(ctx, all, n, &s);
     if (status == KN_OK) {
@@ -58,6 +55,6 @@ kn_status kn_spline_to_bezier(kn_ctx *ctx, kn_bezier **pieces, size_t *npieces, 
         for (size_t i = 0; i < n; i++) kn_bezier_clear(ctx, &all[i]);
         kn_free(ctx, all);
     }
-    kn_spline_clear(ctx, &s);
+    kn_scratch_release(ctx, mark);
     return status;
 }
