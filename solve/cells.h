@@ -15,8 +15,15 @@ void kn_extract(double *coef, double *error, const int *degree, int nvars, const
 // In place: degrees `to`. coef and work have room for the higher degrees.
 void kn_raise(double *coef, double *error, int nvars, const int *from, const int *to, double *work);
 // The cells of nf splines over one domain on which no control points exclude a common zero. Equations are scaled by
-// powers of two, so that their largest control points lie in [1/2, 1).
+// powers of two, so that their largest control points lie in [1/2, 1). error: of the control points of each equation;
+// NULL: none.
 // fails:  as kn_solve_zeros.
-kn_status kn_cells_of_splines(kn_ctx *ctx, kn_cells *cells, const kn_spline *f, int nf);
+kn_status kn_cells_of_splines(kn_ctx *ctx, kn_cells *cells, const kn_spline *f, int nf, const double *error);
+// The common zeros of functions that have such errors.
+kn_status kn_zeros_within(kn_ctx *ctx, kn_root **roots, size_t *nroots, kn_solve_report *report, const kn_spline *f,
+                          int nf, const double *error, const kn_solve_options *options);
+// Where a(x) = b(y), of equal dimension: roots in the variables of a, then those of b.
+kn_status kn_meet(kn_ctx *ctx, const char *what, kn_root **roots, size_t *nroots, kn_solve_report *report,
+                  const kn_spline *a, const kn_spline *b, const kn_solve_options *options);
 
 #endif

@@ -18,8 +18,9 @@ typedef struct builder {
     const kn_spline *f;
     int nf, nvars, n[KN_MAX_VARS]; // intervals of the common grid
     double *breaks[KN_MAX_VARS];
-    axis *axes;     // nf x nvars
-    double *scale;  // of each equation: a power of two
+    axis *axes;    // nf x nvars
+    double *scale; // of each equation: a power of two
+    const double *error;
     double *window; // two times the coefficients of a cell
 } builder;
 
@@ -120,17 +121,18 @@ static kn_status prepare(kn_ctx *ctx, builder *b, kn_cells *cells)
 // Control points on one side of 0 in the cell: values are convex combinations of them.
 static bool excluded(const builder *b, const int *cell)
 {
-    for (int i = 0; i < b->nf; i++) {
+    for (int i = 0, c = 0; i < b->nf; i++) {
         const kn_spline *s = &b->f[i];
         int span[KN_MAX_VARS];
         size_t count = kn_bernstein_count(s->nvars, s->degree);
         for (int d = 0; d < s->nvars; d++) span[d] = b->axes[i * b->nvars + d].span[cell[d]];
-        for (int k = 0; k < kn_spline_dim(s); k++) {
+        for (int k = 0; k < kn_spline_dim(s); k++, c++) {
+            double error = b->error ? b->error[c] : 0.0;
             bool positive = true, negative = true;
             kn_window(b->window, s, k, span);
             for (size_t j = 0; j < count; j++) {
-                positive = positive && b->window[j] > 0.0;
-                negative = negative && b->window[j] < 0.0;
+                positive = positive && b->window[j] > error;
+                negative = negative && b->window[j] < -error;
             }
             if (positive || negative) return true;
         }
@@ -160,11 +162,11 @@ static kn_status add(kn_ctx *ctx, const builder *b, kn_cells *cells, const int *
         }
         for (int k = 0; k < kn_spline_dim(s); k++, c++, coef += n) {
             kn_window(b->window, s, k, span);
-            error[c] = 0.0;
+            error[c] = b->error ? b->error[c] * b->scale[c] : 0.0;
             for (size_t j = 0; j < count; j++) {
                 double x = b->window[j];
                 b->window[j] = x * b->scale[c];
-                if (x != 0.0 && fabs(b->window[j]) < 0x1p-1021) error[c] = kn_underflow(); // else it is exact
+                if (x != 0.0 && fabs(b->window[j]) < 0x1p-1021) error[c] += kn_underflow(); // else it is exact
             }
             kn_extract(b->window, &error[c], s->degree, s->nvars, matrix, b->window + n);
             kn_raise(b->window, &error[c], s->nvars, s->degree, cells->net.degree, b->window + n);
@@ -174,12 +176,12 @@ static kn_status add(kn_ctx *ctx, const builder *b, kn_cells *cells, const int *
     return KN_OK;
 }
 
-kn_status kn_cells_of_splines(kn_ctx *ctx, kn_cells *cells, const kn_spline *f, int nf)
+kn_status kn_cells_of_splines(kn_ctx *ctx, kn_cells *cells, const kn_spline *f, int nf, const double *error)
 {
     kn_status status = check(ctx, f, nf, &cells->net);
     if (status != KN_OK) return status;
     kn_mark mark = kn_scratch_mark(ctx);
-    builder b = {.f = f, .nf = nf, .nvars = f[0].nvars};
+    builder b = {.f = f, .nf = nf, .nvars = f[0].nvars, .error = error};
     int cell[KN_MAX_VARS] = {0};
     status = prepare(ctx, &b, cells);
     while (status == KN_OK) {

@@ -119,6 +119,26 @@ KN_API KN_CHECKED kn_status kn_solve_zeros_bezier(kn_ctx *ctx, kn_root **roots, 
 KN_API KN_CHECKED kn_status kn_solve_roots(kn_ctx *ctx, kn_root **roots, size_t *nroots, kn_solve_report *report,
                                            const kn_spline *f, const kn_solve_options *options);
 
+// ---- intersections: everything as for kn_solve_zeros, unless said ----
+// Where the line { point + t direction } meets a surface of dimension 3, polynomial or rational.
+// in:     point, direction: 3 numbers each, direction not 0 (else KN_EDOMAIN).
+// out:    roots in (u, v); at[2] == lo[2] == hi[2] is t there, computed at `at` and no bound.
+KN_API KN_CHECKED kn_status kn_solve_intersect_line_surface(kn_ctx *ctx, kn_root **roots, size_t *nroots,
+                                                            kn_solve_report *report, const kn_spline *surface,
+                                                            const double *point, const double *direction,
+                                                            const kn_solve_options *options);
+// Where a curve meets a surface, both of dimension 3: roots in (t, u, v).
+// cost:   also count(curve) count(surface) numbers of memory.
+KN_API KN_CHECKED kn_status kn_solve_intersect_curve_surface(kn_ctx *ctx, kn_root **roots, size_t *nroots,
+                                                             kn_solve_report *report, const kn_spline *curve,
+                                                             const kn_spline *surface,
+                                                             const kn_solve_options *options);
+// Where two curves of equal dimension meet: roots in (t_a, t_b). In the plane they are certified; in space, three
+// equations for two unknowns, they are KN_ROOT_POSSIBLE, within options.residual.
+KN_API KN_CHECKED kn_status kn_solve_intersect_curves(kn_ctx *ctx, kn_root **roots, size_t *nroots,
+                                                      kn_solve_report *report, const kn_spline *a, const kn_spline *b,
+                                                      const kn_solve_options *options);
+
 #ifdef __cplusplus
 }
 #endif
