@@ -1,0 +1,143 @@
+// SPDX-License-Identifier: Apache-2.0
+// Fuzzes shells, tiles and jobs over small surfaces, and the sinks that jobs feed.
+#include "tests/fuzz/feed.h"
+
+#include <knurl/knurl.h>
+
+// A surface near the unit square in dimension 3: what bytes make at random has no normal mostly.
+static void make_surface(feed *f, kn_spline *s)
+{
+    feed_spline(f, s, 2);
+    if (s->nvars != 2 || kn_spline_dim(s) != 3 || feed_byte(f) % 16 == 0) return;
+    size_t n = kn_spline_count(s), across = (size_t)s->count[1];
+    for (size_t i = 0; i < n; i++) {
+        double w = s->rational ? s->coef[3 * n + i] : 1.0;
+        double u = (double)(i / across) / (s->count[0] > 1 ? s->count[0] - 1 : 1);
+        double v = (double)(i % across) / (across > 1 ? (double)across - 1.0 : 1.0);
+        s->coef[i] = w * (u + s->coef[i] / 64.0);
+        s->coef[n + i] = w * (v + s->coef[n + i] / 64.0);
+        s->coef[2 * n + i] = w * s->coef[2 * n + i] / 32.0;
+    }
+    if (kn_spline_check(f->ctx, s) != KN_OK) kn_spline_clear(f->ctx, s);
+}
+
+static kn_shell_options make_shell_options(feed *f)
+{
+    kn_shell_options options = kn_shell_defaults();
+    options.normal_tol = feed_byte(f) % 8 ? 0.05 : feed_number(f);
+    options.max_spans = feed_wild(f, 1, 12) & 15;
+    options.max_degree = feed_byte(f) % 4 ? 0 : feed_wild(f, 3, 6);
+    for (int d = 0; d < 2; d++)
+        if (feed_byte(f) % 4 == 0) {
+            int n = feed_int(f, 0, 4);
+            double *lines = feed_parameters(f, (size_t)n);
+            if (n > 1 && feed_byte(f) % 2) lines[0] = 0.0, lines[n - 1] = 1.0;
+            options.lines[d] = lines, options.nlines[d] = n;
+        }
+    return options;
+}
+
+static void use_shell(feed *f, const kn_shell *shell)
+{
+    double point[3], jacobian[9], lo[2] = {feed_number(f) / 4.0, 0.0}, hi[2] = {1.0, feed_number(f) / 4.0};
+    int cells[2], cell[2] = {feed_wild(f, -1, 3), feed_wild(f, -1, 3)};
+    bool fits, closed[2];
+    kn_shell_piece piece;
+    kn_shell_cells(shell, cells);
+    kn_shell_closed(shell, closed);
+    if (kn_shell_surface(shell)->nvars != 2 || kn_shell_normal(shell)->nvars != 2 || cells[0] < 1) abort();
+    if (!kn_shell_certificate(shell).certified) abort();
+    (void)kn_shell_eval(f->ctx, point, jacobian, shell, feed_number(f), feed_number(f), feed_number(f));
+    (void)kn_shell_unit_normal(f->ctx, point, shell, feed_number(f), feed_number(f));
+    (void)kn_shell_jacobian_bounds(f->ctx, &lo[1], &hi[0], shell, feed_number(f), feed_number(f));
+    lo[1] = 0.0, hi[0] = 1.0;
+    if (cell[0] > 100 || cell[0] < -100) cell[0] = 100;
+    if (kn_shell_piece_init(f->ctx, &piece, &fits, shell, cell, lo, hi, feed_wild(f, 0, 8)) == KN_OK && fits)
+        kn_shell_piece_clear(f->ctx, &piece);
+}
+
+static bool make_tile(feed *f, kn_tile *tile)
+{
+    char name[2 * KN_NAME_BYTES] = "tile";
+    if (feed_byte(f) >= 248) memset(name, 'x', sizeof name - 1);
+    if (kn_tile_init(f->ctx, tile, name, feed_count(f, 1, 2)) != KN_OK) return false;
+    for (int i = feed_int(f, 0, 2); i >= 0; i--) {
+        kn_spline s;
+        make_surface(f, &s);
+        (void)kn_tile_add(f->ctx, tile, feed_wild(f, 0, 1), &s);
+        kn_spline_clear(f->ctx, &s);
+    }
+    (void)kn_tile_rotate(f->ctx, tile, feed_wild(f, 0, 5));
+    (void)kn_tile_check(f->ctx, tile);
+    return true;
+}
+
+static kn_status open_sink(feed *f, kn_sink *sink)
+{
+    kn_step_options options = {.unit_mm = feed_byte(f) % 4 ? 0.0 : feed_number(f)};
+    switch (feed_byte(f) % 5) {
+    case 0: return kn_step_sink(f->ctx, sink, "/dev/null", &options);
+    case 1: return kn_stl_sink(f->ctx, sink, "/dev/null");
+    case 2: return kn_obj_sink(f->ctx, sink, "/dev/null/none/x.obj"); // no such place
+    default: return kn_null_sink(f->ctx, sink);
+    }
+}
+
+static void run_job(feed *f, kn_job *job)
+{
+    kn_job_report report = kn_job_describe(job);
+    kn_sink sink;
+    kn_patch_id id = {feed_wild(f, 0, 1),
+                      {feed_wild(f, 0, 2), feed_wild(f, 0, 2)},
+                      feed_wild(f, 0, 1),
+                      feed_wild(f, 0, 1),
+                      feed_wild(f, 0, 1)};
+    kn_patch_place place;
+    kn_bezier source;
+    if (kn_job_source(f->ctx, &source, &place, job, &id) == KN_OK) kn_bezier_clear(f->ctx, &source);
+    if (kn_job_tile(job)->nparts < 1 || !kn_job_shell(job, 0) || !kn_job_lines(job, 0, 1)) abort();
+    if (kn_job_lines(job, id.surface + 2, 0) && id.surface + 2 >= report.nsurfaces) abort();
+    if (report.patches > 200 || open_sink(f, &sink) != KN_OK) return;
+    (void)kn_job_run(f->ctx, job, &sink, 1);
+    kn_sink_close(f->ctx, &sink);
+}
+
+static void jobs(feed *f, const kn_spline *surface)
+{
+    kn_tile tile;
+    kn_job *job = NULL;
+    kn_job_options options = kn_job_defaults();
+    options.count[0] = feed_count(f, 1, 3), options.count[1] = feed_count(f, 1, 3);
+    options.height = feed_byte(f) % 2 ? 0.05 : feed_number(f);
+    options.normal_tol = feed_byte(f) % 8 ? 0.05 : feed_number(f);
+    options.max_degree = feed_byte(f) % 4 ? 0 : feed_wild(f, 10, KN_MAX_DEGREE);
+    options.quarter_turns = feed_wild(f, 0, 3);
+    options.symbolic = feed_byte(f) % 8 == 0;
+    options.mesh_tol = feed_byte(f) % 8 ? 0.2 : feed_number(f);
+    if (options.count[0] < 1 || options.count[1] < 1) options.size[0] = feed_byte(f) % 2 ? 0.5 : feed_number(f);
+    if (!make_tile(f, &tile)) return;
+    if (options.size[0] == 0.0 || options.size[0] > 0.2)
+        if (kn_job_create(f->ctx, &job, surface, feed_count(f, 1, 1), &tile, &options) == KN_OK) run_job(f, job);
+    kn_job_destroy(f->ctx, job);
+    kn_tile_clear(f->ctx, &tile);
+}
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
+{
+    feed f = feed_begin(data, size);
+    int which = feed_byte(&f);
+    kn_spline surface;
+    kn_shell *shell = NULL;
+    make_surface(&f, &surface);
+    kn_ctx_clear_error(f.ctx);
+    if (which % 2) {
+        jobs(&f, &surface);
+    } else {
+        kn_shell_options options = make_shell_options(&f);
+        if (kn_shell_create(f.ctx, &shell, &surface, &options) == KN_OK) use_shell(&f, shell);
+        kn_shell_destroy(f.ctx, shell);
+    }
+    kn_spline_clear(f.ctx, &surface);
+    feed_end(&f);
+    return 0;
+}
