@@ -91,7 +91,7 @@ void kn_grid_multiplicities(kn_grid *grid, int var, int degree)
     times[0] = times[n - 1] = degree + 1;
 }
 
-kn_status kn_spline_split_in_scratch(kn_ctx *ctx, kn_spline *s, const kn_grid *grid)
+kn_status kn_spline_split_on_grid(kn_ctx *ctx, kn_spline *s, const kn_grid *grid)
 {
     for (int d = 0; d < s->nvars; d++) {
         int n = grid->nbreaks[d], order = s->degree[d] + 1;
@@ -118,7 +118,7 @@ static void drop_zeros(kn_band *band)
     }
 }
 
-kn_status kn_spline_join_in_scratch(kn_ctx *ctx, kn_spline *s, const kn_grid *grid)
+kn_status kn_spline_join_on_grid(kn_ctx *ctx, kn_spline *s, const kn_grid *grid)
 {
     for (int d = 0; d < s->nvars; d++) {
         int p = s->degree[d], n = grid->nbreaks[d];
@@ -175,7 +175,7 @@ static kn_status prepare(kn_ctx *ctx, const char *call, product *w, const kn_for
         w->out.count[d] = (w->grid.nbreaks[d] - 1) * order;
     }
     kn_status status = kn_spline_in_scratch(ctx, call, &w->out);
-    for (int i = 0; i < w->n && status == KN_OK; i++) status = kn_spline_split_in_scratch(ctx, &w->s[i], &w->grid);
+    for (int i = 0; i < w->n && status == KN_OK; i++) status = kn_spline_split_on_grid(ctx, &w->s[i], &w->grid);
     if (status != KN_OK) return status;
     for (int i = 0; i < w->n; i++) {
         kn_operand *o = &w->operand[i];
@@ -220,7 +220,7 @@ kn_status kn_spline_multiply(kn_ctx *ctx, const char *call, kn_spline *out, cons
     if (status == KN_OK) {
         multiply_pieces(&w);
         for (int d = 0; d < nvars; d++) kn_grid_multiplicities(&w.grid, d, w.out.degree[d]);
-        status = kn_spline_join_in_scratch(ctx, &w.out, &w.grid);
+        status = kn_spline_join_on_grid(ctx, &w.out, &w.grid);
     }
     if (status == KN_OK) status = kn_spline_store(ctx, out, &w.out); // last: out may be an operand
     kn_scratch_release(ctx, mark);

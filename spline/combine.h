@@ -25,7 +25,7 @@ kn_status kn_spline_common_breaks(kn_ctx *ctx, kn_grid *grid, int var, const kn_
 // grid->times: from continuity to the multiplicity at this degree, for the interior breaks; degree + 1 at the ends.
 void kn_grid_multiplicities(kn_grid *grid, int var, int degree);
 // As kn_spline_split_at and kn_spline_join, in scratch.
-kn_status kn_spline_split_in_scratch(kn_ctx *ctx, kn_spline *s, const kn_grid *grid);
-kn_status kn_spline_join_in_scratch(kn_ctx *ctx, kn_spline *s, const kn_grid *grid);
+kn_status kn_spline_split_on_grid(kn_ctx *ctx, kn_spline *s, const kn_grid *grid);
+kn_status kn_spline_join_on_grid(kn_ctx *ctx, kn_spline *s, const kn_grid *grid);
 
 #endif

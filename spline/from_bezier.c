@@ -83,7 +83,7 @@ kn_status kn_spline_from_bezier(kn_ctx *ctx, kn_spline *out, const kn_bezier *pi
     status = make_grid(ctx, &grid, shape, nbreaks, breaks, continuity);
     if (status == KN_OK) status = kn_spline_in_scratch(ctx, "spline_from_bezier", &s);
     if (status == KN_OK) status = put_pieces(ctx, &s, pieces, &grid);
-    if (status == KN_OK) status = kn_spline_join_in_scratch(ctx, &s, &grid);
+    if (status == KN_OK) status = kn_spline_join_on_grid(ctx, &s, &grid);
     if (status == KN_OK) status = kn_spline_store(ctx, out, &s);
     kn_scratch_release(ctx, mark);
     return status;
