@@ -22,22 +22,6 @@ static kn_status polynomial(kn_ctx *ctx, double *most, const kn_spline *a, int v
 
 // ---- rational: piece by piece ----
 
-// Every break of s gets multiplicity degree + 1, in scratch.
-static kn_status split(kn_ctx *ctx, kn_spline *s)
-{
-    kn_status status = KN_OK;
-    for (int d = 0; d < s->nvars && status == KN_OK; d++) {
-        int p = s->degree[d], n = kn_spline_spans(s, d) + 1;
-        double *breaks = kn_scratch(ctx, (size_t)n, sizeof *breaks);
-        double *to = kn_scratch(ctx, (size_t)n * (size_t)(p + 1), sizeof *to);
-        if (!breaks || !to) return KN_ENOMEM;
-        kn_knots_breaks(breaks, NULL, s->knots[d], p, s->count[d]);
-        for (int i = 0; i < n * (p + 1); i++) to[i] = breaks[i / (p + 1)];
-        status = kn_spline_refine_in_scratch(ctx, s, d, to, (n - 1) * (p + 1));
-    }
-    return status;
-}
-
 typedef struct pieces {
     kn_spline a, size; // split: the coefficients, and what their roundings are relative to
     kn_bezier piece, piece_size;
@@ -52,8 +36,8 @@ static kn_status prepare(kn_ctx *ctx, pieces *w, const kn_spline *a)
     w->size.coef = kn_scratch(ctx, all, sizeof *w->size.coef);
     if (!w->size.coef) return KN_ENOMEM;
     for (size_t i = 0; i < all; i++) w->size.coef[i] = fabs(a->coef[i]);
-    kn_status status = split(ctx, &w->a);
-    if (status == KN_OK) status = split(ctx, &w->size);
+    kn_status status = kn_spline_split_in_scratch(ctx, &w->a);
+    if (status == KN_OK) status = kn_spline_split_in_scratch(ctx, &w->size);
     w->piece = (kn_bezier){.nvars = a->nvars, .ncomp = a->ncomp, .rational = true};
     for (int d = 0; d < a->nvars; d++) {
         w->piece.degree[d] = a->degree[d];
