@@ -34,17 +34,19 @@ kn_status kn_bezier_elevate(kn_ctx *ctx, kn_bezier *out, const kn_bezier *a, con
     }
     if (steps == 0) return kn_bezier_copy(ctx, out, a);
     kn_mark mark = kn_scratch_mark(ctx);
-    status = kn_bezier_alloc(ctx, &c, "elevate");
+    status = kn_bezier_check(ctx, "elevate", c.nvars, c.ncomp, c.rational, c.degree);
     double *work = NULL;
     if (status == KN_OK && steps > 1 &&
         !(work = kn_scratch(ctx, (size_t)c.ncomp * kn_bezier_count(&c), sizeof *work)))
         status = KN_ENOMEM;
+    if (status == KN_OK) status = kn_bezier_begin(ctx, &c, out, kn_bezier_is(out, a), "elevate");
     if (status == KN_OK) { // so that the last of the alternating steps writes to c
         if (steps % 2 == 1)
             elevate_all(c.coef, work, a, degree);
         else
             elevate_all(work, c.coef, a, degree);
+        kn_bezier_end(ctx, out, &c);
     }
     kn_scratch_release(ctx, mark);
-    return kn_bezier_finish(ctx, out, &c, status);
+    return status;
 }

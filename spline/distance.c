@@ -36,7 +36,7 @@ typedef struct frame {
 static bool make_frame(frame *ball, const kn_rows *g)
 {
     int dim = g->ncomp - 1;
-    double lo[KN_MAX_COMPS], hi[KN_MAX_COMPS], x[KN_MAX_COMPS];
+    double lo[KN_MAX_COMPS], hi[KN_MAX_COMPS], x[KN_MAX_COMPS] = {0};
     size_t n = (size_t)g->count * g->lines;
     for (size_t i = 0; i < n; i++) {
         const double *point = g->row + i * (size_t)g->ncomp;
@@ -60,7 +60,7 @@ static bool make_frame(frame *ball, const kn_rows *g)
 static double distance(const kn_rows *f, const frame *ball, const double *c, const double *d, const double *large,
                        double rounding)
 {
-    double x[KN_MAX_COMPS], own = 1.0 + gamma_of(SLACK + 2 * f->ncomp);
+    double x[KN_MAX_COMPS] = {0}, own = 1.0 + gamma_of(SLACK + 2 * f->ncomp);
     int dim = f->ncomp - f->rational;
     for (int k = 0; k < f->ncomp; k++) x[k] = c[k] - d[k];
     if (!f->rational) return (norm(x, dim) + rounding * large[0]) * own;

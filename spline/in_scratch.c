@@ -72,9 +72,9 @@ kn_status kn_spline_elevation_band(kn_ctx *ctx, kn_band *band, double **to, doub
 
 kn_status kn_spline_elevate_in_scratch(kn_ctx *ctx, kn_spline *s, int var, int degree)
 {
-    kn_band band;
-    double *to;
-    if (degree == s->degree[var]) return KN_OK;
+    kn_band band = {0};
+    double *to = NULL;
+    if (degree <= s->degree[var]) return KN_OK;
     kn_status status = kn_spline_elevation_band(ctx, &band, &to, s->knots[var], s->degree[var], s->count[var],
                                                 degree);
     return status == KN_OK ? kn_spline_map_in_scratch(ctx, s, var, degree, to, &band) : status;

@@ -54,7 +54,7 @@ kn_status kn_spline_make_compatible(kn_ctx *ctx, kn_spline *list, int n)
     if (status != KN_OK || n < 2) return status;
     kn_mark mark = kn_scratch_mark(ctx);
     kn_spline *s = kn_scratch(ctx, (size_t)n, sizeof *s);
-    kn_spline **outs = s ? kn_scratch(ctx, (size_t)n, sizeof *outs) : NULL;
+    kn_spline **outs = s ? kn_scratch(ctx, (size_t)n, sizeof(void *)) : NULL;
     status = outs ? KN_OK : KN_ENOMEM;
     if (status == KN_OK) {
         memcpy(s, list, (size_t)n * sizeof *s);

@@ -67,7 +67,7 @@ static kn_status refined(kn_ctx *ctx, double **out, const kn_rows *r, const doub
 static kn_status from_pieces(kn_ctx *ctx, double **joined, const work *w)
 {
     int spans = w->nbreaks - 1, p = w->p, q = w->q;
-    double *pieces, b[KN_MAX_DEGREE + 1], low[KN_MAX_DEGREE + 1];
+    double *pieces = NULL, b[KN_MAX_DEGREE + 1], low[KN_MAX_DEGREE + 1];
     kn_band band;
     *joined = kn_scratch(ctx, (size_t)w->count * w->width, sizeof **joined);
     double *to = kn_scratch(ctx, (size_t)w->nbreaks * (size_t)(p + 1), sizeof *to);
