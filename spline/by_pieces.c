@@ -37,9 +37,8 @@ static kn_status result_in_scratch(kn_ctx *ctx, const char *call, kn_spline *r, 
     return kn_spline_in_scratch(ctx, call, r);
 }
 
-// The first piece tells the shape of all.
-static kn_status operate(kn_ctx *ctx, const char *call, kn_spline *r, const kn_spline *split, kn_bezier *piece,
-                         kn_bezier *value, const kn_spline *a, kn_piece_op op, const void *user)
+static kn_status operate(kn_ctx *ctx, kn_spline *r, const kn_spline *split, kn_bezier *piece, kn_bezier *value,
+                         kn_piece_op op, const void *user)
 {
     int index[KN_MAX_VARS] = {0}, first[KN_MAX_VARS];
     double size[KN_MAX_VARS];
@@ -50,7 +49,6 @@ static kn_status operate(kn_ctx *ctx, const char *call, kn_spline *r, const kn_s
         }
         kn_spline_get_piece(piece, split, first);
         kn_status status = op(ctx, value, piece, size, user);
-        if (status == KN_OK && r->nvars == 0) status = result_in_scratch(ctx, call, r, a, value);
         if (status != KN_OK) return status;
         for (int d = 0; d < split->nvars; d++) first[d] = index[d] * (r->degree[d] + 1);
         kn_spline_put_piece(r, value, first);
@@ -81,22 +79,23 @@ static kn_status join(kn_ctx *ctx, kn_spline *r, const kn_spline *a, int var, bo
     return kn_spline_map_in_scratch(ctx, r, var, q, to, &band);
 }
 
-kn_status kn_spline_by_pieces(kn_ctx *ctx, const char *call, kn_spline *out, const kn_spline *a, kn_piece_op op,
-                              const void *user, int rough)
+kn_status kn_spline_by_pieces(kn_ctx *ctx, const char *call, kn_spline *out, const kn_spline *a,
+                              const kn_bezier *shape, kn_piece_op op, const void *user, int rough)
 {
     kn_status status = kn_spline_expect(ctx, call, a, 0);
     if (status != KN_OK) return status;
     kn_mark mark = kn_scratch_mark(ctx);
-    kn_spline split = *a, r = {0};
-    kn_bezier value = {0}, piece = {.nvars = a->nvars, .ncomp = a->ncomp, .rational = a->rational};
+    kn_spline split = *a, r;
+    kn_bezier value = *shape, piece = {.nvars = a->nvars, .ncomp = a->ncomp, .rational = a->rational};
     for (int d = 0; d < a->nvars; d++) piece.degree[d] = a->degree[d];
     status = kn_bezier_scratch(ctx, &piece, call);
+    if (status == KN_OK) status = kn_bezier_scratch(ctx, &value, call);
     if (status == KN_OK) status = kn_spline_split_in_scratch(ctx, &split);
-    if (status == KN_OK) status = operate(ctx, call, &r, &split, &piece, &value, a, op, user);
+    if (status == KN_OK) status = result_in_scratch(ctx, call, &r, a, shape);
+    if (status == KN_OK) status = operate(ctx, &r, &split, &piece, &value, op, user);
     for (int d = 0; d < a->nvars && status == KN_OK; d++)
         status = join(ctx, &r, a, d, d == rough || rough == KN_EVERY_VAR);
     if (status == KN_OK) status = kn_spline_store(ctx, out, &r); // last: out may be a
-    kn_bezier_clear(ctx, &value);
     kn_scratch_release(ctx, mark);
     return status;
 }

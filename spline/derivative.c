@@ -56,7 +56,11 @@ kn_status kn_spline_derivative(kn_ctx *ctx, kn_spline *out, const kn_spline *a, 
 {
     kn_status status = kn_spline_expect(ctx, "spline_derivative", a, var);
     if (status != KN_OK) return status;
-    if (a->rational) return kn_spline_by_pieces(ctx, "spline_derivative", out, a, rational_piece, &var, var);
+    if (a->rational) {
+        kn_bezier shape = {.nvars = a->nvars, .ncomp = a->ncomp, .rational = true};
+        for (int d = 0; d < a->nvars; d++) shape.degree[d] = (a->degree[var] > 0 ? 2 : 1) * a->degree[d];
+        return kn_spline_by_pieces(ctx, "spline_derivative", out, a, &shape, rational_piece, &var, var);
+    }
 
     kn_mark mark = kn_scratch_mark(ctx);
     kn_spline s = *a;

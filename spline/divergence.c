@@ -28,7 +28,11 @@ kn_status kn_spline_divergence(kn_ctx *ctx, kn_spline *out, const kn_spline *a)
     if (kn_spline_dim(a) != a->nvars)
         return kn_fail(ctx, KN_EDOMAIN, "spline_divergence: %d components over %d variables", kn_spline_dim(a),
                        a->nvars);
-    if (a->rational) return kn_spline_by_pieces(ctx, "spline_divergence", out, a, rational_piece, NULL, KN_EVERY_VAR);
+    if (a->rational) {
+        kn_bezier shape = {.nvars = a->nvars, .ncomp = 2, .rational = true};
+        for (int d = 0; d < a->nvars; d++) shape.degree[d] = 2 * a->degree[d];
+        return kn_spline_by_pieces(ctx, "spline_divergence", out, a, &shape, rational_piece, NULL, KN_EVERY_VAR);
+    }
     kn_mark mark = kn_scratch_mark(ctx);
     kn_spline g;
     status = kn_spline_partial_knots(ctx, &g, a);

@@ -14,7 +14,11 @@ kn_status kn_spline_gradient(kn_ctx *ctx, kn_spline *out, const kn_spline *a)
 {
     kn_status status = kn_spline_expect(ctx, "spline_gradient", a, 0);
     if (status != KN_OK) return status;
-    if (a->rational) return kn_spline_by_pieces(ctx, "spline_gradient", out, a, rational_piece, NULL, KN_EVERY_VAR);
+    if (a->rational) {
+        kn_bezier shape = {.nvars = a->nvars, .ncomp = kn_spline_dim(a) * a->nvars + 1, .rational = true};
+        for (int d = 0; d < a->nvars; d++) shape.degree[d] = 2 * a->degree[d];
+        return kn_spline_by_pieces(ctx, "spline_gradient", out, a, &shape, rational_piece, NULL, KN_EVERY_VAR);
+    }
     kn_mark mark = kn_scratch_mark(ctx);
     kn_spline g;
     status = kn_spline_partial_knots(ctx, &g, a);

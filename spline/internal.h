@@ -66,14 +66,14 @@ kn_status kn_spline_alloc_split(kn_ctx *ctx, kn_spline *out, int nvars, int ncom
 // In place, the way back from such a spline: knots as times[] says, degree + 1 of them at both ends.
 kn_status kn_spline_join(kn_ctx *ctx, kn_spline *s, const kn_grid *grid);
 
-// out = op(a) piece by piece. op answers pieces of one shape, in the parameters of [0,1]; it gets the size of the box,
-// and out may hold the piece before. The knots are those of a's continuity, less one in variable `rough` (-1: none,
+// out = op(a) piece by piece. op answers pieces of this shape, in the parameters of [0,1] and in the array that its out
+// has; it gets the size of the box. The knots are those of a's continuity, less one in variable `rough` (-1: none,
 // KN_EVERY_VAR: in each).
 enum { KN_EVERY_VAR = -2 };
 typedef kn_status (*kn_piece_op)(kn_ctx *ctx, kn_bezier *out, const kn_bezier *a, const double *size,
                                  const void *user);
-kn_status kn_spline_by_pieces(kn_ctx *ctx, const char *call, kn_spline *out, const kn_spline *a, kn_piece_op op,
-                              const void *user, int rough);
+kn_status kn_spline_by_pieces(kn_ctx *ctx, const char *call, kn_spline *out, const kn_spline *a,
+                              const kn_bezier *shape, kn_piece_op op, const void *user, int rough);
 // KN_OK when both are splines over the same variables and the same domain.
 kn_status kn_spline_expect_pair(kn_ctx *ctx, const char *call, const kn_spline *a, const kn_spline *b);
 

@@ -465,17 +465,17 @@ static void steady_state(void **state)
     (void)state;
     test_memory memory = TEST_MEMORY_INIT;
     kn_ctx *ctx = test_ctx(&memory, 1);
-    for (int which = 0; which < CALLS; which++) {
+    for (int which = 0; which < 2 * CALLS; which++) {
         kn_spline a = {0}, out = {0};
         double value[2];
         assert_int_equal(make(ctx, &a, which >= CALLS), KN_OK);
         for (int i = 0; i < 2; i++) { // scratch may grow once more as its blocks become one
             assert_int_equal(call(ctx, &out, &a, which % CALLS), KN_OK);
-            assert_int_equal(kn_spline_integral(ctx, value, &a), KN_OK);
+            if (!a.rational) assert_int_equal(kn_spline_integral(ctx, value, &a), KN_OK);
         }
         size_t before = kn_ctx_counters(ctx).allocations;
         assert_int_equal(call(ctx, &out, &a, which % CALLS), KN_OK);
-        assert_int_equal(kn_spline_integral(ctx, value, &a), KN_OK);
+        if (!a.rational) assert_int_equal(kn_spline_integral(ctx, value, &a), KN_OK);
         assert_int_equal(kn_ctx_counters(ctx).allocations, before);
         kn_spline_clear(ctx, &a);
         kn_spline_clear(ctx, &out);
