@@ -139,6 +139,29 @@ KN_API KN_CHECKED kn_status kn_solve_intersect_curves(kn_ctx *ctx, kn_root **roo
                                                       kn_solve_report *report, const kn_spline *a, const kn_spline *b,
                                                       const kn_solve_options *options);
 
+// ---- closest points ----
+typedef struct kn_closest {
+    double at[KN_MAX_VARS];    // parameters, in the domain
+    double point[KN_MAX_VARS]; // s(at)
+    double distance;           // |s(at) - point|
+} kn_closest;
+
+// The points of s (1 to 3 variables, dimension 1 .. KN_MAX_VARS) that are closest to `point`, over the whole closed
+// domain, boundary included: point inversion where the distance is 0.
+// in:     point: dim finite numbers. options: residual r is the accuracy of the distance, in units of the largest
+//         distance from point to a control point (default 1e-12); tolerance and max_undecided are not used.
+// out:    *closest: *n of them, nearest first, for kn_free: all that were found within 2 r of the nearest, and a
+//         continuum of them (the axis of a cylinder) by some of its points. No point of s is nearer than *lower, which is
+//         certified; (*closest)[0].distance - *lower <= r, unless report->limited. lower, report may be NULL.
+// fails:  KN_EDOMAIN, KN_ELIMIT (twice a degree passes KN_MAX_DEGREE), KN_ENOMEM, KN_ECANCELLED.
+// error:  of a distance: that of the value at `at`; *lower has the rounding taken off.
+// cost:   branch and bound on |s - point|^2 in Bernstein form; boxes near a regular minimum end at once, by curvature.
+// source: Johnson & Cohen, A framework for efficient minimum distance computations, ICRA 1998; Adjiman, Dallwig,
+//         Floudas & Neumaier, A global optimization method, alphaBB, Comput. Chem. Eng. 22 (1998).
+KN_API KN_CHECKED kn_status kn_solve_closest(kn_ctx *ctx, kn_closest **closest, size_t *n, double *lower,
+                                             kn_solve_report *report, const kn_spline *s, const double *point,
+                                             const kn_solve_options *options);
+
 #ifdef __cplusplus
 }
 #endif
