@@ -106,9 +106,12 @@ KN_API KN_CHECKED kn_status kn_bezier_scale(kn_ctx *ctx, kn_bezier *out, const k
 // out = a * b, component by component; an operand of dimension 1 multiplies every component. Weights multiply.
 // out:    out.degree[d] = a.degree[d] + b.degree[d].
 // fails:  KN_EDOMAIN dimensions differ and neither is 1.
-// error:  |c_k - exact| <= gamma(T + 3 nvars)(|a| * |b|)_k, T terms in the sum for c_k.
-// cost:   count(a) count(b) multiply-adds a component; scratch 8 (ncomp + 3) count bytes for each operand, and
-//         8 count(out).
+// error:  |c_k - exact| <= gamma(T + 3 nvars)(|a| * |b|)_k, T terms in the sum for c_k. Small integers: all is exact
+//         but the last quotient, which is rounded to nearest. An infinity or a NaN may make more coefficients NaN than
+//         the definition asks for.
+// cost:   count(a) count(b) multiply-adds a component, in the machine's vectors, fused where it has that: the last
+//         bits depend on the kind of machine. Scratch: operands and result, rows filled up to whole vectors; no
+//         allocation when out has the result's number of coefficients. Sum, dot, cross and determinant alike.
 // source: Farouki & Rajan, Algorithms for polynomials in Bernstein form, CAGD 5 (1988).
 KN_API KN_CHECKED kn_status kn_bezier_product(kn_ctx *ctx, kn_bezier *out, const kn_bezier *a, const kn_bezier *b);
 // out = sum_c a_c b_c, of dimension 1. Dimensions are equal (else KN_EDOMAIN). Error and cost as the products in it;
@@ -123,7 +126,12 @@ KN_API KN_CHECKED kn_status kn_bezier_cross(kn_ctx *ctx, kn_bezier *out, const k
 // error:  polynomial: gamma(2)|c_k|. rational: gamma(T + 3 nvars + 3)(|N'| * |w| + |w'| * |N|)_k, N' and w' raised to
 //         a's degrees, |N'| with the absolute values of its differences; T = 2 prod_d (degree[d] + 1) at most.
 KN_API KN_CHECKED kn_status kn_bezier_derivative(kn_ctx *ctx, kn_bezier *out, const kn_bezier *a, int var);
-// out = det(a, b, c) = a . (b x c), of dimension 1; all three of dimension 3 (else KN_EDOMAIN).
+// out = det(a, b, c) = a . (b x c), of dimension 1; weights multiply.
+// out:    out.degree[d] = a.degree[d] + b.degree[d] + c.degree[d].
+// fails:  KN_EDOMAIN an operand is not of dimension 3, or the variables differ; KN_ELIMIT.
+// error:  gamma(T + T' + 4 nvars) times the sum of the six |a_i| * |b_j| * |c_k|: T' terms in the sums for b x c, T in
+//         those for the product with a. Nothing is divided between: integers as for kn_bezier_product.
+// cost:   that of kn_bezier_cross(b, c) and kn_bezier_dot.
 KN_API KN_CHECKED kn_status kn_bezier_determinant(kn_ctx *ctx, kn_bezier *out, const kn_bezier *a, const kn_bezier *b,
                                                   const kn_bezier *c);
 // out_r = sum_c matrix[r * dim(a) + c] a_c + offset[r] for r < dim; offset NULL: zeros. The weight stays.

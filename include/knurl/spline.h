@@ -98,32 +98,44 @@ KN_API KN_CHECKED kn_status kn_spline_eval_grid(kn_ctx *ctx, double *out, const 
 KN_API KN_CHECKED kn_status kn_spline_derivatives(kn_ctx *ctx, double *out, const kn_spline *s, const double *at,
                                                   int order);
 
-// ---- algebra: operands over equal domains, bit for bit (else KN_EDOMAIN) ----
-// Knots of the two operands are one knot where they are equal bit for bit. A polynomial beside a rational operand has
-// the weight 1. KN_ELIMIT when a degree of the result passes KN_MAX_DEGREE or its components KN_MAX_COMPS.
+// ---- algebra ----
+// Operations on two or three splines act on the intersection of their domains, to which the operands are restricted
+// exactly; KN_EDOMAIN when it has no interior, when variables differ, or an operand is empty. Knots of the operands
+// are one knot where they are equal bit for bit. A polynomial beside a rational operand has the weight 1. KN_ELIMIT
+// when a degree of the result passes KN_MAX_DEGREE or its components KN_MAX_COMPS. Nothing is allocated when out has
+// the result's numbers of knots and coefficients.
 
-// out = a + b, of equal dimension.
-// out:    polynomial, or with the same weights on the same knots: the higher degree in each variable, and each knot
-// as
-//         often as the continuity of the rougher operand asks. Otherwise over the product of the weights, with
-//         degrees and knots as for a product.
-// error:  polynomial: gamma(1 + e_a)|a|_k + gamma(1 + e_b)|b|_k, e_a, e_b the roundings of elevation and knot
-//         insertion, |a| and |b| elevated and refined too. Otherwise as a product.
+// out = a + b and out = a - b, of equal dimension (else KN_EDOMAIN).
+// out:    polynomial, or with the same weights on the same knots: the higher degree in each variable, and each knot as
+//         often as the continuity of the rougher operand asks. Otherwise over the product of the weights, with degrees
+//         and knots as for a product.
+// error:  polynomial: gamma(1 + e_a)|a|_k + gamma(1 + e_b)|b|_k, e_a, e_b the roundings of restriction, elevation and
+//         knot insertion, |a| and |b| restricted, elevated and refined too. Otherwise as a product.
 KN_API KN_CHECKED kn_status kn_spline_sum(kn_ctx *ctx, kn_spline *out, const kn_spline *a, const kn_spline *b);
+KN_API KN_CHECKED kn_status kn_spline_difference(kn_ctx *ctx, kn_spline *out, const kn_spline *a, const kn_spline *b);
+// out = factor a: knots and weight stay. error: gamma(1)|c_k|.
+KN_API KN_CHECKED kn_status kn_spline_scale(kn_ctx *ctx, kn_spline *out, const kn_spline *a, double factor);
 // out = a * b, component by component; an operand of dimension 1 multiplies every component. Weights multiply.
 // out:    degrees p + q; a knot that a has m times (0: not at all) and b has n times stays
 //         p + q - min(p - m, q - n) times, the least that the product's continuity allows (a missing knot: no limit).
 // fails:  KN_EDOMAIN dimensions differ and neither is 1.
 // error:  J gamma(T + 3 nvars + sum_d (12 (p_d + q_d) + 3)) max |a| max |b|, T terms in a coefficient's sum, J the
 //         growth on the way back to few knots (kn_spline_from_bezier).
-// cost:   for each box of the merged knots that of kn_bezier_product, and the pieces of both operands and of the
-// result. source: by Bezier pieces; the knots: Morken, Some identities for products and degree raising of splines,
-//         Constr. Approx. 7 (1991).
+// cost:   for each box of the merged knots that of kn_bezier_product; one banded map an axis to the pieces of each
+//         operand and back from those of the result, all in scratch.
+// source: by Bezier pieces; the knots: Morken, Some identities for products and degree raising of splines, Constr.
+//         Approx. 7 (1991).
 KN_API KN_CHECKED kn_status kn_spline_product(kn_ctx *ctx, kn_spline *out, const kn_spline *a, const kn_spline *b);
 // out = sum_c a_c b_c, of dimension 1, for equal dimensions (else KN_EDOMAIN). All else as for a product.
 KN_API KN_CHECKED kn_status kn_spline_dot(kn_ctx *ctx, kn_spline *out, const kn_spline *a, const kn_spline *b);
 // out = a x b, both of dimension 3 (else KN_EDOMAIN). All else as for a product.
 KN_API KN_CHECKED kn_status kn_spline_cross(kn_ctx *ctx, kn_spline *out, const kn_spline *a, const kn_spline *b);
+// out = det(a, b, c) = a . (b x c), of dimension 1; all three of dimension 3 (else KN_EDOMAIN). Weights multiply.
+// out:    degrees p + q + r; knots by the roughest operand at each, as for a product.
+// error:  6 J gamma(T + T' + 4 nvars + sum_d (12 (p_d + q_d + r_d) + 4)) max |a| max |b| max |c|, T and T' as for
+//         kn_bezier_determinant.
+KN_API KN_CHECKED kn_status kn_spline_determinant(kn_ctx *ctx, kn_spline *out, const kn_spline *a, const kn_spline *b,
+                                                  const kn_spline *c);
 // out = the partial derivative of a in variable var.
 // out:    polynomial: one degree less in var (0 stays 0, and the coefficients become 0), every knot as often as
 // before
@@ -165,11 +177,6 @@ KN_API KN_CHECKED kn_status kn_spline_reduce(kn_ctx *ctx, kn_spline *out, double
 // out_r = sum_c matrix[r * dim(a) + c] a_c + offset[r] for r < dim; offset NULL: zeros. All else as kn_bezier_affine.
 KN_API KN_CHECKED kn_status kn_spline_affine(kn_ctx *ctx, kn_spline *out, const kn_spline *a, int dim,
                                              const double *matrix, const double *offset);
-KN_API KN_CHECKED kn_status kn_spline_scale(kn_ctx *ctx, kn_spline *out, const kn_spline *a, double factor);
-KN_API KN_CHECKED kn_status kn_spline_difference(kn_ctx *ctx, kn_spline *out, const kn_spline *a, const kn_spline *b);
-// out = det(a, b, c), of dimension 1; all three of dimension 3.
-KN_API KN_CHECKED kn_status kn_spline_determinant(kn_ctx *ctx, kn_spline *out, const kn_spline *a, const kn_spline *b,
-                                                  const kn_spline *c);
 // Components first .. first+count-1 as a polynomial spline (of a rational one: homogeneous components), exactly.
 // fails:  KN_EDOMAIN they are not all among the ncomp components, or count < 1.
 KN_API KN_CHECKED kn_status kn_spline_components(kn_ctx *ctx, kn_spline *out, const kn_spline *a, int first,
