@@ -194,6 +194,13 @@ static void multiply(long double *c, int nvars, const long double *a, const int 
             multiply(c + (i + j) * sc, nvars - 1, a + i * sa, da + 1, b + j * sb, db + 1);
 }
 
+static long double *room(size_t n)
+{
+    long double *x = malloc(n * sizeof *x);
+    if (!x) exit(1);
+    return x;
+}
+
 // out = sum_i x^i s^(p-i) C(p,i) f(i) by de Casteljau, variable d of outer and those after it; answers the degree.
 static int reference_from(const task *t, long double *out, int comp, int d, size_t at)
 {
@@ -204,7 +211,7 @@ static int reference_from(const task *t, long double *out, int comp, int d, size
         return 0;
     }
     int p = outer->degree[d], g = 0, da[KN_MAX_VARS];
-    long double *x = malloc(2 * n * sizeof *x), *s = x + n, *b[KN_MAX_DEGREE + 1] = {NULL};
+    long double *x = room(2 * n), *s = x + n, *next = room(MOST), *b[KN_MAX_DEGREE + 1] = {room(MOST)};
     for (size_t i = 0; i < n; i++) { // the factors are scaled: their weights from a 1 would be the same
         double value = inner->coef[(size_t)d * n + i], w = 1.0;
         size_t rest = i;
@@ -216,10 +223,9 @@ static int reference_from(const task *t, long double *out, int comp, int d, size
         s[i] = (long double)w * (1.0L - value);
     }
     for (int i = 0; i <= p; i++) {
-        b[i] = malloc(MOST * sizeof *b[i]);
+        if (i > 0) b[i] = room(MOST);
         g = reference_from(t, b[i], comp, d + 1, at * (size_t)(p + 1) + (size_t)i);
     }
-    long double *next = malloc(MOST * sizeof *next);
     for (int level = 1; level <= p; level++, g++)
         for (int i = 0; i <= p - level; i++) {
             for (int k = 0; k < inner->nvars; k++) da[k] = g * inner->degree[k];
@@ -230,7 +236,8 @@ static int reference_from(const task *t, long double *out, int comp, int d, size
             b[i] = next, next = swap;
         }
     memcpy(out, b[0], (size_t)t->nest.count[g] * sizeof *out);
-    for (int i = 0; i <= p; i++) free(b[i]);
+    for (int i = 1; i <= p; i++) free(b[i]);
+    free(b[0]);
     free(next);
     free(x);
     return g;

@@ -275,9 +275,95 @@ static void substitution(void **state)
     test_ctx_end(ctx, &memory);
 }
 
+// ---- splines: coefficients of outer(inner) on the knots that came out ----
+typedef struct composite {
+    kn_ctx *ctx;
+    const kn_spline *outer, *inner, *out;
+    int comp;
+} composite;
+
+static void composite_piece(exact *out, const double *at, void *user)
+{
+    const composite *f = user;
+    exact o = exact_new(), x[2] = {exact_new(), exact_new()};
+    double value[2], middle[2]; // of the box that begins at `at`: its image is inside a box of outer
+    for (int d = 0; d < 2; d++) {
+        const double *next = f->out->knots[d];
+        while (*next <= at[d]) next++;
+        middle[d] = (at[d] + *next) / 2;
+    }
+    assert_int_equal(kn_spline_eval(f->ctx, value, f->inner, middle), KN_OK);
+    exact_of_spline(&o, f->outer, f->comp, value, false);
+    for (int d = 0; d < 2; d++) exact_of_spline(&x[d], f->inner, d, middle, false);
+    exact_compose(out, &o, x, NULL);
+    exact_free(&o), exact_free(&x[0]), exact_free(&x[1]);
+}
+
+// A spline with knots at 0, 1, .., spans of full multiplicity: continuous, and joined without extrapolation (J = 1).
+static void rough(kn_ctx *ctx, kn_spline *out, test_rng *rng, int ncomp, const int *degree, const int *spans)
+{
+    double knots[2][32];
+    const double *list[2] = {knots[0], knots[1]};
+    int count[2];
+    for (int d = 0; d < 2; d++) {
+        int n = 0;
+        for (int i = 0; i <= spans[d]; i++)
+            for (int k = 0; k < degree[d] + (i == 0 || i == spans[d]); k++) knots[d][n++] = i;
+        count[d] = n - degree[d] - 1;
+    }
+    assert_int_equal(kn_spline_init(ctx, out, 2, ncomp, false, degree, count, list, NULL), KN_OK);
+    for (size_t i = 0; i < kn_spline_count(out) * (size_t)ncomp; i++) out->coef[i] = test_uniform(rng, -1, 1);
+}
+
+// A piecewise bilinear inner function, x_0 of the first variable and x_1 of the second, up and down over outer's spans.
+// Its pieces have their control points inside them, so that all is convex: the composition's roundings, per factor
+// those of inner's splitting (6 + 1) and of (X - lo)/(hi - lo) (4), outer's splitting and the join (6 p + 1 each).
+// (A crossing is rounded to a double: (X - lo) there is 4 u of the largest knot instead of 0, and x in one span more
+// or less by 4 u 4, each of P times.)
+static void splines(void **state)
+{
+    (void)state;
+    test_memory memory = TEST_MEMORY_INIT;
+    kn_ctx *ctx = test_ctx(&memory, 1);
+    test_rng rng = test_random(14);
+    exact_judge_t judge = {.name = "spline_compose"};
+    for (int run = 0; run < test_scale(6); run++) {
+        const int degree[2] = {test_int(&rng, 1, 3), test_int(&rng, 1, 2)}, spans[2] = {4, 3}, one[2] = {1, 1};
+        const int pieces[2] = {2, 2};
+        kn_spline outer, inner, out = {0};
+        rough(ctx, &outer, &rng, 2, degree, spans);
+        rough(ctx, &inner, &rng, 2, one, pieces);
+        double line[2][3];
+        for (int i = 0; i < 3; i++)
+            for (int d = 0; d < 2; d++) line[d][i] = test_uniform(&rng, 0, spans[d]);
+        for (int i = 0; i < 9; i++) inner.coef[i] = line[0][i / 3], inner.coef[9 + i] = line[1][i % 3];
+        assert_int_equal(kn_spline_compose(ctx, &out, &outer, &inner), KN_OK);
+        int p = degree[0] + degree[1],
+            n = p * (4 + 2 + 3 + 7 + 4 + 32) + (degree[0] + 1) * (degree[1] + 1) + 2 + 2 + 1;
+        n += 2 * (6 * p + 2) + 2 * (6 * 2 * p + 2);
+        exact value = exact_new();
+        fmpq_t number, size;
+        fmpq_init(number), fmpq_init(size);
+        fmpq_one(size); // the largest |c|
+        for (int c = 0; c < 2; c++) {
+            exact_spline_coefs(&value, &out, composite_piece, &(composite){ctx, &outer, &inner, &out, c});
+            assert_int_equal(exact_count(&value), kn_spline_count(&out));
+            for (size_t i = 0; i < kn_spline_count(&out); i++) {
+                exact_get(number, &value, i);
+                exact_judge_one(&judge, out.coef[(size_t)c * kn_spline_count(&out) + i], number, size, n);
+            }
+        }
+        fmpq_clear(number), fmpq_clear(size);
+        exact_free(&value);
+        kn_spline_clear(ctx, &outer), kn_spline_clear(ctx, &inner), kn_spline_clear(ctx, &out);
+    }
+    exact_judge_end(&judge, 0.0);
+    test_ctx_end(ctx, &memory);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {cmocka_unit_test(every_pairing), cmocka_unit_test(high_degrees),
-                                       cmocka_unit_test(substitution)};
+                                       cmocka_unit_test(substitution), cmocka_unit_test(splines)};
     return cmocka_run_group_tests_name("oracle/compose", tests, NULL, NULL);
 }
