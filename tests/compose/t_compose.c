@@ -281,6 +281,11 @@ static void failures(void **state)
     assert_non_null(strstr(kn_ctx_message(ctx), "degree 60"));
     assert_null(out.coef);
 
+    kn_bezier many = {.nvars = 1, .ncomp = KN_MAX_COMPS, .degree = {0}, .coef = c};
+    kn_bezier weighted = {.nvars = 1, .ncomp = 2, .rational = true, .degree = {1}, .coef = c};
+    assert_int_equal(kn_bezier_compose(ctx, &out, &many, &weighted), KN_ELIMIT); // and a weight
+    assert_null(out.coef);
+
     kn_shell_piece piece = {.nterms = 2, .term = {surface, surface}};
     assert_int_equal(kn_compose_piece(ctx, &out, &piece, &plane), KN_EDOMAIN);
     kn_bezier rational = {.nvars = 2, .ncomp = 4, .rational = true, .degree = {1, 1}, .coef = c};

@@ -146,6 +146,27 @@ static void spline_by_hand(void **state)
     test_ctx_end(ctx, &memory);
 }
 
+// Constants: a jump from 1/2 to 5/2 in degree 0 picks two values of a, at degree 0.
+static void steps(void **state)
+{
+    (void)state;
+    test_memory memory = TEST_MEMORY_INIT;
+    kn_ctx *ctx = test_ctx(&memory, 1);
+    const double knots[] = {0, 0, 1, 2, 3, 3}, breaks[] = {0, 1, 2}, coef[] = {1, 4, -2, 8}, x[] = {0.5, 2.5};
+    const double *list[2] = {knots, breaks};
+    const int degree[2] = {1, 0}, count[2] = {4, 2};
+    kn_spline a = {0}, g = {0}, out = {0};
+    assert_int_equal(kn_spline_init(ctx, &a, 1, 1, false, degree, count, list, coef), KN_OK);
+    assert_int_equal(kn_spline_init(ctx, &g, 1, 1, false, degree + 1, count + 1, list + 1, x), KN_OK);
+    assert_int_equal(kn_spline_substitute(ctx, &out, &a, 0, &g), KN_OK);
+    assert_true(out.degree[0] == 0 && out.count[0] == 2 && out.knots[0][1] == 1);
+    assert_true(out.coef[0] == 2.5 && out.coef[1] == 3);
+    assert_int_equal(kn_spline_compose(ctx, &out, &a, &g), KN_OK);
+    assert_true(out.count[0] == 2 && out.coef[0] == 2.5 && out.coef[1] == 3);
+    kn_spline_clear(ctx, &a), kn_spline_clear(ctx, &g), kn_spline_clear(ctx, &out);
+    test_ctx_end(ctx, &memory);
+}
+
 static void splines_fail(void **state)
 {
     (void)state;
@@ -209,8 +230,12 @@ static void allocation_failures(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(by_hand),        cmocka_unit_test(pieces_fail),
-                                       cmocka_unit_test(spline_by_hand), cmocka_unit_test(splines_match_evaluation),
-                                       cmocka_unit_test(splines_fail),   cmocka_unit_test(allocation_failures)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(by_hand),
+                                       cmocka_unit_test(pieces_fail),
+                                       cmocka_unit_test(spline_by_hand),
+                                       cmocka_unit_test(splines_match_evaluation),
+                                       cmocka_unit_test(steps),
+                                       cmocka_unit_test(splines_fail),
+                                       cmocka_unit_test(allocation_failures)};
     return cmocka_run_group_tests_name("compose/substitute", tests, NULL, NULL);
 }
