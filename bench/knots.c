@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Knot insertion and degree elevation, one thread: 100 knots at once into a cubic curve of 100 points, and a bicubic
 // surface of 20 x 20 points to bidegree 6. Rivals: SISL's s1018 and s1750 where it is installed (it elevates curves
-// only: it gets the surface's 20 x 20 net as one curve of 60 components, then one of 3 * 71, turned in between by
-// nobody, which is less than the surface needs), and the plain references of the same maps.
+// only: it gets the net as one curve of 3 * 20 components and one of 3 * 71, which is the surface's work but for
+// turning the net in between), and the plain references of the same maps.
 #include "bench/bench.h"
 
 #include <knurl/spline.h>

@@ -69,6 +69,8 @@ static kn_status from_pieces(kn_ctx *ctx, double **joined, const work *w)
     int spans = w->nbreaks - 1, p = w->p, q = w->q;
     double *pieces = NULL, b[KN_MAX_DEGREE + 1], low[KN_MAX_DEGREE + 1];
     kn_band band;
+    if ((size_t)w->nbreaks > KN_MAX_COEFS / (size_t)(p + 1))
+        return kn_fail(ctx, KN_ELIMIT, "spline_reduce: %d breaks", w->nbreaks);
     *joined = kn_scratch(ctx, (size_t)w->count * w->width, sizeof **joined);
     double *to = kn_scratch(ctx, (size_t)w->nbreaks * (size_t)(p + 1), sizeof *to);
     if (!*joined || !to) return KN_ENOMEM;
@@ -91,7 +93,7 @@ static kn_status from_pieces(kn_ctx *ctx, double **joined, const work *w)
 // rounding; *same: everywhere, and bit for bit.
 static kn_status restore_lines(kn_ctx *ctx, work *w, bool *same)
 {
-    double *joined, *back;
+    double *joined = NULL, *back;
     kn_status status = from_pieces(ctx, &joined, w);
     if (status != KN_OK) return status;
     back = kn_scratch(ctx, (size_t)w->fine * w->width, sizeof *back);
@@ -176,6 +178,7 @@ static kn_status difference(kn_ctx *ctx, kn_spline *d, kn_parts *rounding, const
 static kn_status split(kn_ctx *ctx, kn_spline *d, int var)
 {
     int p = d->degree[var], n = kn_knots_breaks(NULL, NULL, d->knots[var], p, d->count[var]);
+    if ((size_t)n > KN_MAX_COEFS / (size_t)(p + 1)) return kn_fail(ctx, KN_ELIMIT, "spline_reduce: %d breaks", n);
     double *breaks = kn_scratch(ctx, (size_t)n, sizeof *breaks);
     double *to = kn_scratch(ctx, (size_t)n * (size_t)(p + 1), sizeof *to);
     if (!breaks || !to) return KN_ENOMEM;

@@ -162,23 +162,25 @@ static int by_change(const void *a, const void *b)
     return (x->s > y->s) - (x->s < y->s);
 }
 
-// About what moving c_i .. by `sum` changes in values: a prediction, which kn_rows_distance has to confirm.
+// About what moving c_i .. by `sum` changes in values, and what rounding will hide: a prediction, which
+// kn_rows_distance has to confirm.
 static double change_of(const removal *r, const kn_rows *g)
 {
-    double most = 0.0;
+    double most = 0.0, rounding = (6 * g->degree + 8) * 0x1p-53;
     int dim = g->ncomp - g->rational;
     for (size_t l = 0; l < g->lines; l++) {
         const double *x = r->sum + l * (size_t)g->ncomp;
-        double square = 0.0, w = INFINITY, weight = 0.0;
-        for (int k = r->s - r->degree - 1; k <= r->s - r->m + 1 && g->rational; k++) {
+        double length = 0.0, w = g->rational ? INFINITY : 1.0, large = 0.0; // large: the largest coordinate nearby
+        for (int k = r->s - r->degree - 1; k <= r->s - r->m + 1; k++) {
             const double *c = row_of(g, k) + l * (size_t)g->ncomp;
-            double length = 0.0;
-            for (int q = 0; q < dim; q++) length = hypot(length, c[q]);
-            w = fmin(w, c[dim]), weight = fmax(weight, length / c[dim]);
+            double own = g->rational ? c[dim] : 1.0;
+            for (int q = 0; q < dim; q++) large = fmax(large, fabs(c[q]) / own);
+            w = fmin(w, own);
         }
-        for (int q = 0; q < dim; q++) square = hypot(square, x[q]);
-        if (g->rational) square = (square + fabs(x[dim]) * weight) / w;
-        if (square > most || isnan(square)) most = square;
+        for (int q = 0; q < dim; q++) length = hypot(length, x[q]);
+        if (g->rational) length = (length + fabs(x[dim]) * large) / w;
+        length += rounding * large;
+        if (length > most || isnan(length)) most = length;
     }
     return most;
 }
