@@ -59,7 +59,7 @@ kn_status kn_fit_quasi(kn_ctx *ctx, kn_spline *out, int nvars, int dim, const in
                        const double *const *knots, kn_fit_function function, void *user)
 {
     kn_spline s;
-    double *sites[KN_MAX_VARS];
+    double *sites[KN_MAX_VARS] = {NULL};
     kn_mark mark = kn_scratch_mark(ctx);
     kn_status status = kn_fit_start(ctx, "fit_quasi", &s, nvars, dim, degree, count, knots);
     if (status == KN_OK) status = find_sites(ctx, sites, &s);

@@ -107,7 +107,7 @@ static kn_status errors_along(kn_ctx *ctx, double *error, const search *w, const
         status = kn_fit_quasi_band(ctx, &band, s->knots[var], s->degree[var], s->count[var], w->sites[var]);
     if (status != KN_OK) return status;
     kn_band_apply(coef, &band, values, kn_spline_outer(s, var), s->count[var], kn_spline_inner(s, var));
-    memset(error, 0, (size_t)nspans * sizeof *error);
+    for (int i = 0; i < nspans; i++) error[i] = 0.0;
     return largest_errors(ctx, error, w, s, x, n, &along, var, coef);
 }
 
@@ -136,7 +136,7 @@ static kn_status halve(kn_ctx *ctx, search *w, int var, const double *error, boo
 // One round: the quasi-interpolant on the breaks, then more breaks where its error asks for them.
 static kn_status improve(kn_ctx *ctx, search *w, kn_spline *s, double *estimate, bool *done)
 {
-    double *x[KN_MAX_VARS], *error[KN_MAX_VARS];
+    double *x[KN_MAX_VARS] = {NULL}, *error[KN_MAX_VARS] = {NULL};
     int n[KN_MAX_VARS];
     kn_status status = make_spline(ctx, s, w);
     if (status != KN_OK) return status;

@@ -86,7 +86,7 @@ typedef struct kn_fit_fixed {
 // fails:  KN_EDOMAIN sites that do not increase or lie outside, fixed layers that leave nothing free; KN_EUNDEFINED
 //         no choice of sites suits the free B-splines (Schoenberg & Whitney): the message names variable and index;
 //         KN_EUNDECIDED where values underflow.
-// error:  backward stable in each variable: the exact minimiser of a problem whose A differs by gamma(6 (nsites +
+// error:  backward stable in each variable: the exact minimiser of a problem whose A differs by gamma(9 (nsites +
 //         count) + 5 p) |A| in the Frobenius norm, and whose data by as much of theirs.
 // cost:   3 p^2 nsites[d] for the factors and 4 (p + 1) multiply-adds for each value, in each variable; scratch 2 (p
 //         + 1) nsites[d] and three grids of values.
