@@ -75,6 +75,45 @@ static void insertion_is_undone(void **state)
     test_ctx_end(ctx, &memory);
 }
 
+// Knots anywhere, at any scale: insertion rounds by gamma(6 p + 1) of 9 times the scale, so that within 1e-12 of it all
+// that was put there can go again. Spans of 1e-7 beside those of 1, and knots at which there is a jump, are among them.
+static void rounded_insertion_is_undone(void **state)
+{
+    (void)state;
+    test_memory memory = TEST_MEMORY_INIT;
+    kn_ctx *ctx = test_ctx(&memory, 1);
+    test_rng rng = test_random(5);
+    for (int round = test_scale(60); round > 0; round--) {
+        int p = test_int(&rng, 1, 4), count = p + 1 + test_int(&rng, 0, 8);
+        double scale = ldexp(1, test_int(&rng, -300, 300)), knots[8], error = -1;
+        kn_spline s, jump = {0}, t = {0};
+        test_random_spline(ctx, &s, &rng, 1, 2, false, &p, &count, 9);
+        for (int i = 0; i < 2 * count; i++) s.coef[i] *= scale;
+        double lo, hi, at;
+        kn_spline_domain(&s, 0, &lo, &hi);
+        at = 0.5 * (lo + hi);
+        int have = 0;
+        for (int i = 0; i < count + p + 1; i++) have += s.knots[0][i] == at;
+        for (int i = 0; i < p + 1 - have; i++) knots[i] = at;
+        assert_int_equal(kn_spline_insert_knots(ctx, &jump, &s, 0, knots, p + 1 - have), KN_OK);
+        for (int i = 0; i < jump.count[0]; i++) // a jump in the middle
+            if (jump.knots[0][i] >= at) jump.coef[i] += 50 * scale;
+        int plain = jump.count[0];
+        for (int i = 0; i < 8; i++) knots[i] = test_uniform(&rng, lo + 1e-3, hi - 1e-3);
+        knots[6] = knots[7] + 1e-7, knots[5] = knots[4];
+        assert_int_equal(kn_spline_insert_knots(ctx, &t, &jump, 0, knots, 8), KN_OK);
+        assert_int_equal(kn_spline_remove_knots(ctx, &t, &error, &t, 0, 1e-12 * 59 * scale), KN_OK);
+        assert_true(error <= 1e-12 * 59 * scale && t.count[0] <= plain);
+        int times = 0;
+        for (int i = 0; i < t.count[0] + p + 1; i++) times += t.knots[0][i] == at;
+        assert_int_equal(times, p + 1); // the jump stays
+        kn_spline_clear(ctx, &s);
+        kn_spline_clear(ctx, &jump);
+        kn_spline_clear(ctx, &t);
+    }
+    test_ctx_end(ctx, &memory);
+}
+
 // A parabola over four spans: its three interior knots go, and f(x,y) = xy, 3 - (x + y)/2 is left.
 static void knots_that_mean_nothing(void **state)
 {
@@ -394,11 +433,11 @@ static void little_memory(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(insertion_is_undone), cmocka_unit_test(knots_that_mean_nothing),
-        cmocka_unit_test(within_a_tolerance),  cmocka_unit_test(few_knots_are_left),
-        cmocka_unit_test(removal_refuses),     cmocka_unit_test(halves_become_one),
-        cmocka_unit_test(merging_by_hand),     cmocka_unit_test(merging_surfaces),
-        cmocka_unit_test(little_memory),
+        cmocka_unit_test(insertion_is_undone),     cmocka_unit_test(rounded_insertion_is_undone),
+        cmocka_unit_test(knots_that_mean_nothing), cmocka_unit_test(within_a_tolerance),
+        cmocka_unit_test(few_knots_are_left),      cmocka_unit_test(removal_refuses),
+        cmocka_unit_test(halves_become_one),       cmocka_unit_test(merging_by_hand),
+        cmocka_unit_test(merging_surfaces),        cmocka_unit_test(little_memory),
     };
     return cmocka_run_group_tests_name("spline/remove_knots", tests, NULL, NULL);
 }
