@@ -5,7 +5,8 @@
 
 #include "solve/search.h"
 
-// matrix (degree + 1)^2: the coefficients over [a,b], a part of a span, from the control points span - degree .. span.
+// matrix (degree + 1)^2: the coefficients over [a,b], a part of a span, from the control points span - degree ..
+// span.
 void kn_extraction(double *matrix, const double *knots, int degree, int span, double a, double b);
 // The prod_d (degree[d] + 1) control points of a component that act on a box of spans.
 void kn_window(double *out, const kn_spline *s, int comp, const int *span);

@@ -2,8 +2,8 @@
 // Existence and uniqueness of a root in a box: Krawczyk's test on the Bernstein coefficients of Y f.
 //
 // In the parameters s of a box X, g = Y f, K_i = sum_d max |(I - dg/ds)_id| <= kappa < 1 over X. For x, z in X
-// |(x - z) - (g(x) - g(z))|_i <= K_i |x - z|: so g is injective, a root z in X has |x - z| <= |g(x)| / (1 - kappa) for
-// any x in X, and when that ball around x lies in X, z -> z - g(z) maps it to itself: there is a root.
+// |(x - z) - (g(x) - g(z))|_i <= K_i |x - z|: so g is injective, a root z in X has |x - z| <= |g(x)| / (1 - kappa)
+// for any x in X, and when that ball around x lies in X, z -> z - g(z) maps it to itself: there is a root.
 #include "solve/search.h"
 
 #include "kernel/context.h"
@@ -85,8 +85,8 @@ static void tighten(const kn_finder *f, double *r, const double *gc, const doubl
     }
 }
 
-// Fills in the enclosure around the point c. True: the box [lo,hi] holds exactly one root, in the enclosure. Also sets
-// *apart: the box has no root in [inner_lo,inner_hi].
+// Fills in the enclosure around the point c. True: the box [lo,hi] holds exactly one root, in the enclosure. Also
+// sets *apart: the box has no root in [inner_lo,inner_hi].
 static bool enclose(const kn_finder *f, kn_found *r, const double *width, const double *gc, const double *slack,
                     double kappa, const kn_box *inner, bool *apart)
 {

@@ -108,6 +108,23 @@ static candidate measure(hunt *h, size_t cell, const double *x)
     return c;
 }
 
+// About the distance at the point x of the box that is loaded.
+static double glance(hunt *h, const double *x)
+{
+    const kn_net *net = &h->cells.net;
+    size_t count = (size_t)net->ncomp * net->count;
+    double basis[KN_MAX_DEGREE + 1], sum = 0.0;
+    const double *from = h->coef;
+    for (int d = net->nvars - 1; d >= 0; d--) {
+        count /= (size_t)(net->degree[d] + 1);
+        kn_bernstein_basis(basis, net->degree[d], x[d]);
+        kn_bernstein_contract(h->work, from, count, net->degree[d] + 1, 1, basis);
+        from = h->work;
+    }
+    for (int c = 0; c < h->distance.dim; c++) sum += from[c] * from[c];
+    return sqrt(sum) / (h->distance.rational ? from[h->distance.dim] : 1.0);
+}
+
 // ---- cells ----
 // The distance from the origin to the box around the control points of a box of spans: convex combinations of P / w.
 static double hull_distance(const hunt *h, const int *span)
@@ -122,8 +139,9 @@ static double hull_distance(const hunt *h, const int *span)
         double lo = INFINITY, hi = -INFINITY, least_w = 1.0;
         for (size_t i = 0; i < n; i++) {
             double v = s->rational ? x[i] / w[i] : x[i];
-            if (s->rational) least_w = i == 0 ? w[i] : fmin(least_w, w[i]);
-            lo = fmin(lo, v), hi = fmax(hi, v);
+            if (s->rational) least_w = i == 0 || w[i] < least_w ? w[i] : least_w;
+            lo = v < lo ? v : lo;
+            hi = v > hi ? v : hi;
         }
         double gap = fmax(fmax(lo, -hi), 0.0) * (1.0 - 0x1p-50) - h->moved_error[c] / least_w * 1.001;
         if (gap > 0.0) sum += gap * gap;
@@ -168,9 +186,11 @@ static kn_status examine(kn_ctx *ctx, hunt *h, box *b)
         h->error[c] = h->cells.error[b->cell * (size_t)h->cells.net.ncomp + (size_t)c];
     kn_net_restrict(h->coef, h->error, &h->cells.net, h->cells.coef + b->cell * size, b->lo, b->hi, h->work);
     double bound = kn_distance_bound(&h->distance, h->coef, h->error, h->best, at);
-    for (int d = 0; d < n; d++) at[d] = at[d] == 1.0 ? b->hi[d] : b->lo[d] + at[d] * (b->hi[d] - b->lo[d]);
-    candidate c = measure(h, b->cell, at);
-    status = add_candidate(ctx, h, &c);
+    if (glance(h, at) <= h->best + 3.0 * h->gap) { // to be measured in earnest
+        for (int d = 0; d < n; d++) at[d] = at[d] == 1.0 ? b->hi[d] : b->lo[d] + at[d] * (b->hi[d] - b->lo[d]);
+        candidate c = measure(h, b->cell, at);
+        status = add_candidate(ctx, h, &c);
+    }
     b->bound = fmax(b->bound, bound);
     if (status != KN_OK || b->bound >= h->best - h->gap) {
         h->lower = fmin(h->lower, b->bound);

@@ -140,7 +140,7 @@ static double curvature(kn_distance *d, const kn_net *net, const double *g)
             if (net->degree[j] == 0) continue;
             const double *c = slope(d, &first, along, j, 1, &second);
             double lo = c[0], hi = c[0];
-            for (size_t k = 1; k < second.count; k++) lo = fmin(lo, c[k]), hi = fmax(hi, c[k]);
+            for (size_t k = 1; k < second.count; k++) lo = c[k] < lo ? c[k] : lo, hi = c[k] > hi ? c[k] : hi;
             h[i][j] = 0.5 * (lo + hi);
             row[j] = 0.5 * (hi - lo) + kn_rounding(32.0) * net->degree[i] * net->degree[j] * big;
         }
@@ -221,7 +221,8 @@ double kn_distance_bound(kn_distance *d, const double *coef, const double *error
         d->g[i] = d->a[i] - t * w;
         least_w = i == 0 || w < least_w ? w : least_w;
         most_w = i == 0 || w > most_w ? w : most_w;
-        lowest = fmin(lowest, fmax(d->a[i] - a_error, 0.0) / (w + w_error));
+        double low = d->a[i] > a_error ? (d->a[i] - a_error) / (w + w_error) : 0.0;
+        lowest = low < lowest ? low : lowest;
     }
     if (!(least_w > w_error)) least_w = w_error = 0.0;
     double slack = a_error + t * w_error + kn_rounding(4.0) * (kn_largest(d->a, m) + t * most_w);
@@ -237,7 +238,7 @@ double kn_distance_bound(kn_distance *d, const double *coef, const double *error
         }
     }
     double best = d->g[0];
-    for (size_t i = 1; i < net.count; i++) best = fmin(best, d->g[i]);
+    for (size_t i = 1; i < net.count; i++) best = d->g[i] < best ? d->g[i] : best;
     if (net.count > 1) best = fmax(best, quadratic(d, &net, d->g, at));
     best -= slack * (1.0 + 0x1p-40);
     double square = least_w > 0.0 ? t + best / (best < 0.0 ? (least_w - w_error) : (most_w + w_error)) : -1.0;

@@ -17,8 +17,8 @@ bool kn_net_excluded(const kn_net *net, const double *coef, const double *error)
 }
 
 // The graph over variable d lies in the hull of the segments {k/n} x [lo_k, hi_k]; the first and the last place where
-// the hull meets 0 lie on lines from an end of a segment that is >= 0 to one that is <= 0. lo and hi include the errors.
-// Crossings are rounded outwards: five roundings of quantities up to 1.
+// the hull meets 0 lie on lines from an end of a segment that is >= 0 to one that is <= 0. lo and hi include the
+// errors. Crossings are rounded outwards: five roundings of quantities up to 1.
 static bool cross(const double *lo, const double *hi, int n, double *t0, double *t1)
 {
     double x[2 * (KN_MAX_DEGREE + 1)], y[2 * (KN_MAX_DEGREE + 1)], first = 2.0, last = -1.0;

@@ -120,8 +120,8 @@ static int sign_at(seeker *s, size_t cell, double x, double *value)
     return *value > error ? 1 : *value < -error ? -1 : 0;
 }
 
-// The root between l and r, where the signs are first and -first: secants, each followed by a point a little beyond the
-// root, and halvings where these fail. Ends when the bracket is a few units wide or signs are no longer certain.
+// The root between l and r, where the signs are first and -first: secants, each followed by a point a little beyond
+// the root, and halvings where these fail. Ends when the bracket is a few units wide or signs are no longer certain.
 static void bracket(seeker *s, size_t cell, int first, double *l, double *r)
 {
     double fl = 0.0, fr = 0.0, v = 0.0;

@@ -63,8 +63,8 @@ static double shortest(const double *t0, const double *t1, int n)
 }
 
 // Cuts off the ends, rounding outwards, but never so much that a side becomes far shorter than it was, or than the
-// others: along such a side derivatives drown in the rounding, and no root can be certified. The least part that is left
-// of a side.
+// others: along such a side derivatives drown in the rounding, and no root can be certified. The least part that is
+// left of a side.
 static double cut(kn_box *b, const double *t0, const double *t1, int n, double aspect, double step)
 {
     double longest = 0.0, least = 1.0;

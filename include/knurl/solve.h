@@ -77,23 +77,24 @@ typedef struct kn_root {
     double at[KN_MAX_VARS], lo[KN_MAX_VARS], hi[KN_MAX_VARS];
 } kn_root;
 
+// curve_like: the zeros look like a continuum, which the boxes cover: max_undecided was passed, there are fewer
+// equations than unknowns, or a box longer than 2^-6 of its span is undecided as a whole.
 typedef struct kn_solve_report {
     size_t boxes;    // looked at
     size_t possible; // roots that are not certain
-    bool
-        curve_like; // max_undecided was passed, or there are fewer equations than unknowns: the boxes cover the zeros
-    bool limited;   // max_boxes or max_depth was passed
+    bool curve_like;
+    bool limited; // max_boxes or max_depth was passed
 } kn_solve_report;
 
 // All common zeros, in the closed domain, of every component of f[0 .. nf-1].
-// in:     splines over the same variables (1 .. KN_MAX_VARS) and domain (else KN_EDOMAIN), that kn_spline_check accepts.
-//         Rational ones vanish where their numerators do. options NULL: the defaults.
-// out:    *roots: *nroots of them, sorted by lo, for kn_free; every zero lies in one of the boxes. report may be NULL.
-//         As many equations as unknowns m = n: regular zeros become KN_ROOT_UNIQUE, with boxes about as narrow as the
-//         coefficients allow; multiple ones and clusters KN_ROOT_POSSIBLE. A zero on a face that spans share is reported
-//         once. m > n: all are KN_ROOT_POSSIBLE, of the points where all equations vanish within options.residual.
-//         m < n: boxes that cover the zeros, about max_undecided of them. So is it, with report->curve_like, when the
-//         zeros of m >= n equations form a continuum.
+// in:     splines over the same variables (1 .. KN_MAX_VARS) and domain (else KN_EDOMAIN), that kn_spline_check
+//         accepts. Rational ones vanish where their numerators do. options NULL: the defaults.
+// out:    *roots: *nroots of them, sorted by lo, for kn_free; every zero lies in one of the boxes. report may be
+//         NULL. As many equations as unknowns m = n: regular zeros become KN_ROOT_UNIQUE, with boxes about as narrow
+//         as the coefficients allow; multiple ones and clusters KN_ROOT_POSSIBLE. A zero on a face that spans share
+//         is reported once. m > n: all are KN_ROOT_POSSIBLE, of the points where all equations vanish within
+//         options.residual. m < n: boxes that cover the zeros, about max_undecided of them. So is it, with
+//         report->curve_like, when the zeros of m >= n equations form a continuum.
 // fails:  KN_EDOMAIN, KN_ELIMIT (the degrees together pass KN_MAX_COEFS), KN_ENOMEM, KN_ECANCELLED.
 // error:  none: boxes are certified to hold what they claim, of the exact function.
 // cost:   time and memory are bounded by max_boxes and max_undecided.
@@ -102,20 +103,20 @@ typedef struct kn_solve_report {
 //         Algorithmen zur Bestimmung von Nullstellen mit Fehlerschranken, Computing 4 (1969).
 KN_API KN_CHECKED kn_status kn_solve_zeros(kn_ctx *ctx, kn_root **roots, size_t *nroots, kn_solve_report *report,
                                            const kn_spline *f, int nf, const kn_solve_options *options);
-// The same for pieces, over [0,1]^nvars.
+// The same for pieces, over [0,1]^nvars. NaN and infinite coefficients are KN_EDOMAIN.
 KN_API KN_CHECKED kn_status kn_solve_zeros_bezier(kn_ctx *ctx, kn_root **roots, size_t *nroots,
                                                   kn_solve_report *report, const kn_bezier *f, int nf,
                                                   const kn_solve_options *options);
 
 // ---- roots of one function of one variable ----
 // All roots of f, of one variable and dimension 1 (else KN_EDOMAIN), in the closed domain.
-// out:    as kn_solve_zeros, with `least` and `most`. A box lo == hi is an exact root, of multiplicity least == most when
-//         f is a piece or the knots allow it. KN_ROOT_POSSIBLE only where 106 bits do not decide: `most` by Descartes.
-//         A piece that is zero throughout is one possible root, report->curve_like.
+// out:    as kn_solve_zeros, with `least` and `most`. A box lo == hi is an exact root, of multiplicity least == most
+//         when f is a piece or the knots allow it. KN_ROOT_POSSIBLE only where 106 bits do not decide: `most` by
+//         Descartes. A piece that is zero throughout is one possible root, report->curve_like.
 // error:  coefficients of a piece count as exact; those of a spline's spans have the rounding of knot insertion.
 // cost:   about 100 (degree + 1)^2 flops for each halving; a simple root takes a few, and twenty values.
-// source: Lane & Riesenfeld, Bounds on a polynomial, BIT 21 (1981); Mourrain, Rouillier & Roy, The Bernstein basis and
-//         real root isolation, MSRI Publ. 52 (2005).
+// source: Lane & Riesenfeld, Bounds on a polynomial, BIT 21 (1981); Mourrain, Rouillier & Roy, The Bernstein basis
+//         and real root isolation, MSRI Publ. 52 (2005).
 KN_API KN_CHECKED kn_status kn_solve_roots(kn_ctx *ctx, kn_root **roots, size_t *nroots, kn_solve_report *report,
                                            const kn_spline *f, const kn_solve_options *options);
 
@@ -151,11 +152,13 @@ typedef struct kn_closest {
 // in:     point: dim finite numbers. options: residual r is the accuracy of the distance, in units of the largest
 //         distance from point to a control point (default 1e-12); tolerance and max_undecided are not used.
 // out:    *closest: *n of them, nearest first, for kn_free: all that were found within 2 r of the nearest, and a
-//         continuum of them (the axis of a cylinder) by some of its points. No point of s is nearer than *lower, which is
-//         certified; (*closest)[0].distance - *lower <= r, unless report->limited. lower, report may be NULL.
+//         continuum of them (the axis of a cylinder) by some of its points. No point of s is nearer than *lower,
+//         which is certified; (*closest)[0].distance - *lower <= r, unless report->limited. lower, report may be
+//         NULL.
 // fails:  KN_EDOMAIN, KN_ELIMIT (twice a degree passes KN_MAX_DEGREE), KN_ENOMEM, KN_ECANCELLED.
 // error:  of a distance: that of the value at `at`; *lower has the rounding taken off.
-// cost:   branch and bound on |s - point|^2 in Bernstein form; boxes near a regular minimum end at once, by curvature.
+// cost:   branch and bound on |s - point|^2 in Bernstein form; boxes near a regular minimum end at once, by
+//         curvature.
 // source: Johnson & Cohen, A framework for efficient minimum distance computations, ICRA 1998; Adjiman, Dallwig,
 //         Floudas & Neumaier, A global optimization method, alphaBB, Comput. Chem. Eng. 22 (1998).
 KN_API KN_CHECKED kn_status kn_solve_closest(kn_ctx *ctx, kn_closest **closest, size_t *n, double *lower,

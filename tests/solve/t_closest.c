@@ -58,7 +58,8 @@ static void known(void **state)
         kn_solve_report report;
         size_t count = 0;
         assert_int_equal(kn_solve_closest(ctx, &best, &count, &lower, &report, &s, q, NULL), KN_OK);
-        // the default accuracy, 1e-12 of the largest distance to a control point, below 20; the closed form rounds, too
+        // the default accuracy, 1e-12 of the largest distance to a control point, below 20; the closed form rounds,
+        // too
         assert_true(count >= 1 && fabs(best[0].distance - exact) < 2e-11);
         assert_true(lower <= exact + 1e-14 && lower >= exact - 2e-11);
         assert_false(report.limited);
@@ -133,8 +134,8 @@ static void small_ones(void **state)
     test_ctx_end(ctx, &memory);
 }
 
-// |s(at) - q| in long double, by the sum of products with B-splines computed on the way of kn_spline_eval would not be
-// independent: the value comes from kn_spline_eval, the rest is done here.
+// |s(at) - q| in long double, by the sum of products with B-splines computed on the way of kn_spline_eval would not
+// be independent: the value comes from kn_spline_eval, the rest is done here.
 static long double distance(kn_ctx *ctx, const kn_spline *s, const double *at, const double *q)
 {
     double x[3];

@@ -114,8 +114,8 @@ static void cylinder(void **state)
     test_ctx_end(ctx, &memory);
 }
 
-// A curve on the paraboloid's axis directions: (t, 1/2, t^2 + h) meets z = x^2 + 1/4 - 1/2 nowhere unless h = -1/4, and
-// then everywhere; (t, t, 1/2) meets it where 2 t^2 = 1.
+// A curve on the paraboloid's axis directions: (t, 1/2, t^2 + h) meets z = x^2 + 1/4 - 1/2 nowhere unless h = -1/4,
+// and then everywhere; (t, t, 1/2) meets it where 2 t^2 = 1.
 static void curves(void **state)
 {
     (void)state;

@@ -47,8 +47,8 @@ static void make_grid(grid_case *g, test_rng *rng, int n, bool repeated)
 }
 
 // The exact zeros in the closed domain, and how many boxes of each kind hold each.
-// width: of the boxes that are certain. p' >= 48 at a root, and the largest coefficients are below 4 3 25^3: rounding of
-// k u moves a root by 4000 k u, and Krawczyk's kappa <= 0.8, two sides and the inverse's rows make that 80000 k u.
+// width: of the boxes that are certain. p' >= 48 at a root, and the largest coefficients are below 4 3 25^3: rounding
+// of k u moves a root by 4000 k u, and Krawczyk's kappa <= 0.8, two sides and the inverse's rows make that 80000 k u.
 static void check_grid(const grid_case *g, const kn_root *roots, size_t nroots, double width, int *zeros, int *unique)
 {
     int total = 1;
