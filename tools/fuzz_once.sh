@@ -4,6 +4,11 @@
 set -eu
 program=$1 folder=$2 runs=$3
 name=$(basename "$program")
+case $name in # an input of these is a program of calls
+fuzz_bpt | fuzz_g2) ;;
+fuzz_shell) runs=$((runs / 100)) ;;
+*) runs=$((runs / 25)) ;;
+esac
 seeds=$(pwd)/tests/fuzz/corpus/${name#fuzz_}
 mkdir -p "$folder"
 cd "$folder"

@@ -77,17 +77,20 @@ test $static$shared = 11 || wrong "symbols.sh accepts printing ($static $shared)
 symbol '#include <stdlib.h>\nvoid kn_f(void) { exit(1); }'
 test $static$shared = 11 || wrong "symbols.sh accepts exit ($static $shared)"
 
-# api DECLARED DEFINED TESTED: 0 when api.sh is content with these functions in a header, a library and a test.
+# api DECLARED DEFINED TESTED [FUZZED [TABLE]]: 0 when api.sh is content with these functions in a header, a library, a
+# test, a fuzzer and its table; without the last ones all that is declared is there.
 api()
 {
     tests=$((tests + 1))
     root=$temporary/api
     rm -rf "$root"
-    mkdir -p "$root/include/knurl" "$root/tests/io"
+    mkdir -p "$root/include/knurl" "$root/tests/io" "$root/tests/fuzz"
     for name in $1; do printf '// KN_API int kn_old(void);\nKN_API KN_CHECKED int *\n%s(int a,\n    int b);\n' "$name"; done \
         >"$root/include/knurl/x.h"
     for name in $2; do echo "int *$name(int a, int b) { return (void)a, (void)b, (int *)0; }"; done >"$root/x.c"
     for name in $3; do echo "$name(1, 2);"; done >"$root/tests/io/t_x.c"
+    for name in ${4-$1}; do echo "$name(1, 2);"; done >"$root/tests/fuzz/fuzz_x.c"
+    echo "| fuzz_x | ${5-${4-$1}} |" >"$root/tests/fuzz/README.md"
     $cc -shared -fPIC -o "$root/x.so" "$root/x.c"
     (cd "$root" && "$tools/api.sh" x.so >"$temporary/out") && status=0 || status=1
 }
@@ -99,6 +102,12 @@ api 'kn_a' 'kn_a kn_b' 'kn_a kn_b'
 test $status = 1 || wrong "api.sh accepts what is exported and not declared"
 api 'kn_a kn_b' 'kn_a kn_b' 'kn_a kn_bb'
 test $status = 1 || wrong "api.sh accepts what no test uses"
+api 'kn_a kn_b' 'kn_a kn_b' 'kn_a kn_b' 'kn_b'
+test $status = 1 || wrong "api.sh accepts what no fuzzer reaches"
+api 'kn_a kn_b' 'kn_a kn_b' 'kn_a kn_b' 'kn_a kn_b' 'kn_a'
+test $status = 1 || wrong "api.sh accepts a table that lacks a function"
+api 'kn_a kn_b' 'kn_a kn_b' 'kn_a kn_b' 'kn_a kn_b' 'kn_a kn_b kn_c'
+test $status = 1 || wrong "api.sh accepts a table that promises too much"
 
 # program NAME BODY EXPECTED: tests/run.sh on a program of three tests, the last with BODY, counts EXPECTED.
 program()

@@ -52,6 +52,7 @@ static kn_status numbers(machine *m, int call, const kn_bezier *a)
     case 3: return kn_bezier_box(f->ctx, room, other, a, NULL, NULL);
     case 4: return kn_bezier_box(f->ctx, room, other, a, at, hi);
     case 5: return kn_bezier_oriented_box(f->ctx, feed_block(f, sizeof(kn_oriented_box)), a);
+    case 6: return kn_bezier_least_degree(f->ctx, feed_block(f, nvars * sizeof(int)), a, feed_number(f));
     default: return kn_bezier_lipschitz(f->ctx, feed_room(f, nvars), a);
     }
 }
@@ -95,6 +96,13 @@ static kn_status unary(machine *m, int call, kn_bezier *out, const kn_bezier *a)
         const double *matrix = feed_numbers(f, rows * (size_t)columns);
         return kn_bezier_affine(f->ctx, out, a, dim, matrix, feed_byte(f) % 2 ? feed_numbers(f, rows) : NULL);
     }
+    case 12: {
+        int *degree = int_array(f, n, 0, 5);
+        double error;
+        for (int d = 0; d < n && feed_byte(f) % 8; d++)
+            if (degree[d] > a->degree[d]) degree[d] = a->degree[d];
+        return kn_bezier_reduce(f->ctx, out, feed_byte(f) % 2 ? &error : NULL, a, degree);
+    }
     default: {
         int *degree = int_array(f, n, 0, 5);
         for (int d = 0; d < n; d++)
@@ -115,6 +123,11 @@ static kn_status binary(machine *m, int call, kn_bezier *out, const kn_bezier *a
     case 2: return kn_bezier_product(f->ctx, out, a, b);
     case 3: return kn_bezier_dot(f->ctx, out, a, b);
     case 4: return kn_bezier_cross(f->ctx, out, a, b);
+    case 5: {
+        const kn_bezier *c = &m->slot[feed_int(f, 0, SLOTS - 1)];
+        if (size_of(a) * size_of(b) * size_of(c) > 1 << 20) return KN_OK;
+        return kn_bezier_determinant(f->ctx, out, a, b, c);
+    }
     default: {
         int n = (int)places(a->nvars);
         kn_bezier *other = &m->slot[feed_int(f, 0, SLOTS - 1)];
@@ -123,7 +136,7 @@ static kn_status binary(machine *m, int call, kn_bezier *out, const kn_bezier *a
     }
 }
 
-enum { NUMBERS = 7, UNARY = 13, BINARY = 6 };
+enum { NUMBERS = 8, UNARY = 14, BINARY = 7 };
 
 static void call(machine *m)
 {

@@ -61,31 +61,42 @@ static void systems_of_pieces(feed *f)
     for (int i = 0; i < 4; i++) kn_bezier_clear(f->ctx, &a[i]);
 }
 
-static void systems_of_splines(feed *f)
+// Call 0: zeros; the others: one function, intersections.
+static void systems_of_splines(feed *f, int call)
 {
     kn_spline a[4];
-    int nvars = feed_int(f, 1, 3), n = feed_count(f, 1, 4);
-    for (int i = 0; i < 4; i++) feed_spline(f, &a[i], nvars);
+    int nvars = call == 0 ? feed_int(f, 1, 3) : 1, n = feed_count(f, 1, 4);
+    const double *point = feed_numbers(f, 3), *direction = feed_numbers(f, 3);
+    for (int i = 0; i < 4; i++) feed_spline(f, &a[i], call > 1 && i == 1 ? 2 : nvars);
     kn_solve_options options = make_options(f);
     kn_root *roots = NULL;
     size_t nroots = 0;
     kn_solve_report report;
     kn_ctx_clear_error(f->ctx);
-    kn_status status = kn_solve_zeros(f->ctx, &roots, &nroots, &report, a, n, &options);
-    check(f, status, roots, nroots, a[0].nvars);
+    kn_status status;
+    switch (call) {
+    case 0: status = kn_solve_zeros(f->ctx, &roots, &nroots, &report, a, n, &options); break;
+    case 1: status = kn_solve_roots(f->ctx, &roots, &nroots, &report, a, &options); break;
+    case 2:
+        status = kn_solve_intersect_line_surface(f->ctx, &roots, &nroots, &report, a + 1, point, direction, &options);
+        break;
+    case 3: status = kn_solve_intersect_curve_surface(f->ctx, &roots, &nroots, &report, a, a + 1, &options); break;
+    default: status = kn_solve_intersect_curves(f->ctx, &roots, &nroots, &report, a, a + 2, &options); break;
+    }
+    check(f, status, roots, nroots, call == 0 ? a[0].nvars : call == 1 ? 1 : call == 3 ? 3 : 2);
     for (int i = 0; i < 4; i++) kn_spline_clear(f->ctx, &a[i]);
 }
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
     feed f = feed_begin(data, size);
-    int call = feed_byte(&f) % 6;
+    int call = feed_byte(&f) % 10;
     if (call < 3)
         (void)predicates(&f, call);
     else if (call == 3)
         systems_of_pieces(&f);
     else
-        systems_of_splines(&f);
+        systems_of_splines(&f, call - 4 < 5 ? call - 4 : 0);
     feed_end(&f);
     return 0;
 }

@@ -60,6 +60,10 @@ static kn_status numbers(machine *m, int call, const kn_spline *a)
     case 4: return kn_spline_box_over(f->ctx, room, other, a, at, hi);
     case 5: return kn_spline_oriented_box(f->ctx, feed_block(f, sizeof(kn_oriented_box)), a);
     case 6: return kn_spline_lipschitz(f->ctx, feed_room(f, (size_t)a->nvars), a);
+    case 7: {
+        int *degree = feed_block(f, (size_t)a->nvars * sizeof *degree);
+        return kn_spline_least_degree(f->ctx, degree, a, feed_number(f));
+    }
     default: {
         int order = feed_wild(f, 0, 4), count = kn_derivative_count(a->nvars, order);
         if ((size_t)count * dim > 1 << 13) return KN_OK;
@@ -89,12 +93,20 @@ static kn_status unary(machine *m, int call, kn_spline *out, const kn_spline *a)
     case 5: return kn_spline_reverse(f->ctx, out, a, var);
     case 6: return kn_spline_permute(f->ctx, out, a, int_array(f, n, 0, n > 0 ? n - 1 : 0));
     case 7: return kn_spline_components(f->ctx, out, a, feed_wild(f, 0, 2), feed_wild(f, 1, 3));
+    case 10: return kn_spline_scale(f->ctx, out, a, feed_number(f));
     case 8: return kn_spline_reparameterize(f->ctx, out, a, var, feed_number(f), feed_number(f));
     case 9: {
         int dim = feed_wild(f, 1, 4);
         size_t rows = dim < 1 || dim > KN_MAX_COMPS ? 0 : (size_t)dim, columns = n ? (size_t)a->ncomp : 1;
         const double *matrix = feed_numbers(f, rows * columns);
         return kn_spline_affine(f->ctx, out, a, dim, matrix, feed_byte(f) % 2 ? feed_numbers(f, rows) : NULL);
+    }
+    case 11: {
+        int *degree = int_array(f, n, 0, 5);
+        double error;
+        for (int d = 0; d < n && feed_byte(f) % 8; d++)
+            if (degree[d] > a->degree[d]) degree[d] = a->degree[d];
+        return kn_spline_reduce(f->ctx, out, feed_byte(f) % 2 ? &error : NULL, a, degree);
     }
     default: {
         int *degree = int_array(f, n, 0, 5);
@@ -159,6 +171,12 @@ static kn_status binary(machine *m, int call, kn_spline *out, const kn_spline *a
     case 1: return kn_spline_product(f->ctx, out, a, b);
     case 2: return kn_spline_dot(f->ctx, out, a, b);
     case 3: return kn_spline_cross(f->ctx, out, a, b);
+    case 5: return kn_spline_difference(f->ctx, out, a, b);
+    case 6: {
+        const kn_spline *c = &m->slot[feed_int(f, 0, SLOTS - 1)];
+        if (too_large(a, c) || size_of(a) * size_of(b) * size_of(c) > 1 << 16) return KN_OK;
+        return kn_spline_determinant(f->ctx, out, a, b, c);
+    }
     case 4: return kn_spline_merge(f->ctx, out, &error, a, b, variable(m, a), feed_number(f));
     default: return kn_spline_make_compatible(f->ctx, m->slot, feed_count(f, 0, SLOTS));
     }
@@ -188,7 +206,7 @@ static kn_status pieces(machine *m, kn_spline *out, const kn_spline *a)
     return status;
 }
 
-enum { NUMBERS = 8, UNARY = 11, KNOTS = 5, BINARY = 6 };
+enum { NUMBERS = 9, UNARY = 13, KNOTS = 5, BINARY = 8 };
 
 static void call(machine *m)
 {
