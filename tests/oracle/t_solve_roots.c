@@ -84,7 +84,7 @@ static void random_cases(void **state)
         for (int i = 0; i <= n; i++) c[i] = kind < 2 ? test_int(&rng, -3, 3) : test_uniform(&rng, -1.0, 1.0);
         if (kind == 3)
             for (int i = 0; i <= n; i++) c[i] = ldexp(c[i], test_int(&rng, -20, 20));
-        judge(ctx, c, n, &t, k % 8 == 0);
+        judge(ctx, c, n, &t, k % 16 == 0);
     }
     report("random", &t, 1e-3);
     kn_ctx_destroy(ctx);
@@ -109,7 +109,7 @@ static void clusters(void **state)
     assert_int_equal(kn_ctx_create(&ctx, NULL), KN_OK);
     test_rng rng = test_random(202);
     tally t = {0}, w = {0};
-    for (int k = test_scale(3000); k > 0; k--) {
+    for (int k = test_scale(1500); k > 0; k--) {
         double root[6], c[7];
         int n = test_int(&rng, 2, 6);
         root[0] = test_int(&rng, 0, 2) == 0 ? test_int(&rng, 0, 4) / 4.0 : test_uniform(&rng, 0.0, 1.0);

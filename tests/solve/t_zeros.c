@@ -180,6 +180,41 @@ static void seams(void **state)
     test_ctx_end(ctx, &memory);
 }
 
+// Equations of different degrees on different knots: p(x) (1 + y) and q(y) (2 - x).
+static void separate(void **state)
+{
+    (void)state;
+    test_memory memory = TEST_MEMORY_INIT;
+    kn_ctx *ctx = test_ctx(&memory, 1);
+    test_rng rng = test_random(15);
+    for (int k = test_scale(60); k > 0; k--) {
+        grid_case g;
+        kn_spline f[2] = {{0}, {0}};
+        kn_root *roots = NULL;
+        size_t nroots = 0;
+        int zeros = 0, unique = 0;
+        make_grid(&g, &rng, 2, false);
+        for (int i = 0; i < 2; i++) {
+            double one[4], c[8];
+            cubic(one, g.root[i]);
+            for (int j = 0; j < 8; j++) c[j] = i == 0 ? one[j / 2] * (1 + j % 2) : one[j % 4] * (2 - j / 4);
+            kn_bezier b = {.nvars = 2, .ncomp = 1, .degree = {i == 0 ? 3 : 1, i == 0 ? 1 : 3}, .coef = c};
+            assert_int_equal(kn_spline_of_bezier(ctx, &f[i], &b), KN_OK);
+            for (int d = 0; d < 2; d++) {
+                double knot = test_int(&rng, 1, 15) / 16.0;
+                assert_int_equal(kn_spline_insert_knots(ctx, &f[i], &f[i], d, &knot, 1), KN_OK);
+            }
+        }
+        assert_int_equal(kn_solve_zeros(ctx, &roots, &nroots, NULL, f, 2, NULL), KN_OK);
+        check_grid(&g, roots, nroots, 8e4 * 2.0 * 64.0 * 0x1p-53, &zeros, &unique); // raised degrees, too
+        assert_int_equal(nroots, zeros);
+        assert_int_equal(unique, zeros);
+        kn_free(ctx, roots);
+        for (int i = 0; i < 2; i++) kn_spline_clear(ctx, &f[i]);
+    }
+    test_ctx_end(ctx, &memory);
+}
+
 // Random systems: the sum of the signs of det J over all zeros is the number of turns of f along the boundary
 // (Poincare and Bohl). The turns are counted by 4 x 512 samples, where no step turns by more than 1/2.
 static bool turns(const kn_bezier *f, kn_ctx *ctx, int *out)
@@ -421,9 +456,9 @@ static void allocation(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(grids),      cmocka_unit_test(repeated),
-                                       cmocka_unit_test(seams),      cmocka_unit_test(random_systems),
-                                       cmocka_unit_test(degenerate), cmocka_unit_test(near_misses),
-                                       cmocka_unit_test(failures),   cmocka_unit_test(allocation)};
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(grids),       cmocka_unit_test(repeated),       cmocka_unit_test(seams),
+        cmocka_unit_test(separate),    cmocka_unit_test(random_systems), cmocka_unit_test(degenerate),
+        cmocka_unit_test(near_misses), cmocka_unit_test(failures),       cmocka_unit_test(allocation)};
     return cmocka_run_group_tests_name("solve/zeros", tests, NULL, NULL);
 }
