@@ -10,14 +10,14 @@ extern "C" {
 #endif
 
 // Common to all below:
-// in:     operands as in spline.h. Numbers are finite (else KN_EDOMAIN), points have dim numbers, vectors 3.
+// in:     operands as in spline.h. Numbers are finite (else KN_EDOMAIN), points have dim numbers, vectors 3. Operands
+//         that are combined may differ in degrees and knots: they are elevated and refined to common ones first. Of
+//         polynomial and rational ones the polynomial get the weight 1, and all combinations are of homogeneous
+//         coordinates; where that makes a difference it is said.
 // out:    initialised, overwritten, may be an operand; unchanged by a call that fails. What is made from numbers has
 //         the domain [0,1] in each variable. What is made from splines keeps their variables and domains; a variable
 //         that is added comes last and has the domain [0,1]. A surface made from numbers has S_u x S_v outwards.
-// fails:  KN_ENOMEM, KN_ELIMIT, KN_EDOMAIN as said. Operands that are combined may differ in degrees and knots: they
-//         are elevated and refined to common ones first. Of polynomial and rational operands the polynomial ones get
-//         the weight 1, and all combinations are of homogeneous coordinates; where that makes a difference it is
-//         said.
+// fails:  KN_ENOMEM, KN_ELIMIT, KN_EDOMAIN as said.
 // error:  where nothing is said, each coefficient comes from operands' by sums of a few products: gamma(8) of the
 //         sums of absolute values, after elevation and refinement.
 
