@@ -64,7 +64,8 @@ step format "$make" O="$out" format
 step install "$make" O="$out" install DESTDIR="$stage" PREFIX=/usr
 step install-pkgconfig tools/install_check.sh pkgconfig "$stage" "$out/embed-pkgconfig"
 step install-cmake tools/install_check.sh cmake "$stage" "$out/embed-cmake"
-step readme tools/install_check.sh readme "$stage" "$out/embed-readme"
+step readme tools/install_check.sh README.md "$stage" "$out/embed-readme"
+step algebra tools/install_check.sh docs/algebra.md "$stage" "$out/embed-algebra"
 step uninstall bash -c "test -d '$stage/usr/include/knurl' && \"$make\" O='$out' uninstall DESTDIR='$stage' PREFIX=/usr && test -z \"\$(find '$stage' ! -type d)\""
 suite clang release CC=clang O="$out/clang"
 suite sanitize sanitize

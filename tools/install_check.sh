@@ -1,7 +1,8 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
-# install_check.sh pkgconfig|cmake|readme STAGE WORK: builds a program against the tree installed below STAGE (prefix
-# /usr), with nothing of the repository in sight, and runs it. readme: the first ```c block of README.md.
+# install_check.sh pkgconfig|cmake|DOCUMENT STAGE WORK: builds a program against the tree installed below STAGE (prefix
+# /usr), with nothing of the repository in sight, and runs it. DOCUMENT.md: its first ```c block, which has to print its
+# first ```text block if there is one.
 set -eu
 how=$1 stage=$2 work=$3
 root=$(pwd)
@@ -43,15 +44,20 @@ cmake)
     program b/embed
     program b/embed_static
     ;;
-readme)
-    test -f README.md || { echo "README.md is missing"; exit 1; }
-    awk '/^```c$/ && !done { inside = 1; next } /^```/ && inside { inside = 0; done = 1 } inside' README.md >"$work/readme.c"
-    test -s "$work/readme.c" || { echo 'README.md has no ```c block'; exit 1; }
+*.md)
+    block()
+    {
+        awk -v fence='```'"$1" '$0 == fence && !done { inside = 1; next } /^```/ && inside { inside = 0; done = 1 } inside' "$how"
+    }
+    block c >"$work/program.c"
+    block text >"$work/expected"
+    test -s "$work/program.c" || { echo "$how has no program"; exit 1; }
     ln -s "$root/data" "$work/data"
     cd "$work"
     # shellcheck disable=SC2046
-    $cc -std=c17 -Wall -Wextra -Werror readme.c $(pkg-config --cflags --libs knurl) -o readme
-    ./readme
+    $cc -std=c17 -Wall -Wextra -Werror program.c $(pkg-config --cflags --libs knurl) -o program
+    ./program >printed
+    test ! -s expected || diff expected printed
     ;;
 *)
     echo "install_check.sh: what is $how?" >&2
