@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Batched evaluation in vectors of two doubles: the baseline.
 #define LANES 2
+#define TARGET
 #include "kernel/eval_stages.h"
 
-void kn_eval_sse2(double *out, const kn_eval_plan *plan, size_t npoints, const double *at)
-{
-    choose(out, plan, npoints, at);
-}
+const kn_eval_kernels kn_eval_sse2 = {points, axis_basis, rows};

@@ -1,22 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-// Batched evaluation in vectors of four doubles, compiled for two kinds of machine, and the choice at run time.
-#define LANES 4
-#include "kernel/eval_stages.h"
+// Batched evaluation in vectors of four doubles, and the choice at run time.
+#include "kernel/eval_block.h"
 
 #include <assert.h>
 
 #if defined(__x86_64__)
-__attribute__((target("avx2"))) static void avx2(double *out, const kn_eval_plan *plan, size_t npoints,
-                                                 const double *at)
-{
-    choose(out, plan, npoints, at);
-}
+#define LANES 4
+#define TARGET __attribute__((target("avx2")))
+#include "kernel/eval_stages.h"
 
-__attribute__((target("avx2,avx512f,avx512dq,avx512vl"))) static void avx512(double *out, const kn_eval_plan *plan,
-                                                                             size_t npoints, const double *at)
-{
-    choose(out, plan, npoints, at);
-}
+const kn_eval_kernels kn_eval_avx2 = {points, axis_basis, rows};
 #endif
 
 kn_eval_level kn_eval_best(void)
@@ -29,18 +22,19 @@ kn_eval_level kn_eval_best(void)
     return KN_EVAL_SSE2;
 }
 
-void kn_eval_planned(double *out, const kn_eval_plan *plan, size_t npoints, const double *at, kn_eval_level level)
+const kn_eval_kernels *kn_eval_of_level(kn_eval_level level)
 {
     assert(level > KN_EVAL_PLAIN && level <= kn_eval_best());
 #if defined(__x86_64__)
-    if (level == KN_EVAL_AVX512) {
-        avx512(out, plan, npoints, at);
-        return;
-    }
-    if (level == KN_EVAL_AVX2) {
-        avx2(out, plan, npoints, at);
-        return;
-    }
+    if (level == KN_EVAL_AVX512) return &kn_eval_avx512;
+    if (level == KN_EVAL_AVX2) return &kn_eval_avx2;
 #endif
-    kn_eval_sse2(out, plan, npoints, at);
+    (void)level;
+    return &kn_eval_sse2;
+}
+
+void kn_eval_planned(double *out, const kn_eval_plan *plan, size_t npoints, const double *at, bool partials,
+                     kn_eval_level level)
+{
+    kn_eval_of_level(level)->points(out, plan, npoints, at, partials);
 }

@@ -57,18 +57,28 @@ KN_API int kn_bezier_dim(const kn_bezier *b);
 // cost:   ncomp * count multiply-adds and sum_d degree[d]^2 for the Bernstein polynomials.
 KN_API KN_CHECKED kn_status kn_bezier_eval(kn_ctx *ctx, double *out, const kn_bezier *b, const double *at);
 // npoints values: out[i*dim + c] at the point at[i*nvars .. i*nvars + nvars-1].
-// out:    where the weight is zero a value that is not finite, and no failure. The same bits on every machine and for
-//         batches cut anyhow; kn_bezier_eval sums in another order, so that last bits differ.
-// error:  polynomial, at in [0,1]^nvars: gamma(sum_d 12 degree[d] + 6) max |p_i|.
-// cost:   as kn_bezier_eval without its set-up, in vectors where the machine has them (up to three variables).
+// out:    not an input. Where the weight is zero a value that is not finite, and no failure. The same bits on every
+//         machine and for batches cut anyhow; kn_bezier_eval sums in another order, so that last bits differ.
+// error:  polynomial, at in [0,1]^nvars: gamma(sum_d (3 degree[d] + 2)) max |p_i|.
+// cost:   as kn_bezier_eval without its set-up, in vectors where the machine has them; count * ncomp numbers of
+//         scratch at least.
 KN_API KN_CHECKED kn_status kn_bezier_eval_batch(kn_ctx *ctx, double *out, const kn_bezier *b, size_t npoints,
                                                  const double *at);
 // Values and all first partials at npoints points: out[(i*(1 + nvars) + k)*dim + c], k = 0 the value, k = 1 + d the
 // derivative in variable d.
+// out:    the values have kn_bezier_eval_batch's bits; all else as there.
+// error:  a partial in variable d, polynomial, in [0,1]^nvars: gamma(sum_e (3 degree[e] + 2)) 2 degree[d] max |p_i|.
+//         rational: see docs/numerics.md.
+// cost:   about twice kn_bezier_eval_batch.
 KN_API KN_CHECKED kn_status kn_bezier_eval_batch_partials(kn_ctx *ctx, double *out, const kn_bezier *b,
                                                           size_t npoints, const double *at);
 // Values on the grid at[0] x at[1] x .., n[d] parameters in variable d: out[i*dim + c], i the place in the grid, the
 // last variable fastest.
+// out:    as kn_bezier_eval_batch; the sums go in another order, so that last bits differ, but for one variable.
+// error:  as kn_bezier_eval_batch.
+// cost:   (degree[0] + 1) ncomp multiply-adds a point, and less for the other variables where the grid is large;
+//         scratch: the coefficients, the basis of all parameters, and rows of about 640 numbers for each coefficient
+//         of the variables before the last.
 KN_API KN_CHECKED kn_status kn_bezier_eval_grid(kn_ctx *ctx, double *out, const kn_bezier *b, const size_t *n,
                                                 const double *const *at);
 // All partial derivatives of total order <= order.

@@ -76,16 +76,26 @@ KN_API KN_CHECKED kn_status kn_spline_eval(kn_ctx *ctx, double *out, const kn_sp
 // out:    not an input. Where the weight is zero a value that is not finite, and no failure. The same bits on every
 //         machine and for batches cut anyhow; kn_spline_eval sums in another order, so that last bits differ.
 // error:  polynomial, inside the domain: gamma(sum_d (17 p_d + 3)) max |c_k| over the control points that act.
-// cost:   in vectors where the machine has them (up to three variables); tables of prod_d count[d] * ncomp and
-//         sum_d spans * (p_d + 1)^2 numbers of scratch, made only where there are points enough to pay for them.
+// cost:   in vectors where the machine has them; tables of prod_d count[d] * ncomp (up to p + 1 times that for small
+//         splines) and sum_d spans * (p_d + 1)^2 numbers of scratch, made only where there are points enough to pay
+//         for them.
 KN_API KN_CHECKED kn_status kn_spline_eval_batch(kn_ctx *ctx, double *out, const kn_spline *s, size_t npoints,
                                                  const double *at);
 // Values and all first partials at npoints points: out[(i*(1 + nvars) + k)*dim + c], k = 0 the value, k = 1 + d the
 // derivative in variable d.
+// out:    the values have kn_spline_eval_batch's bits; all else as there.
+// error:  a partial in variable d, polynomial, inside the domain: gamma(sum_e (17 p_e + 3)) (2 p_d / h) max |c_k|, h
+//         the length of the knot interval, over the control points that act. rational: see docs/numerics.md.
+// cost:   about twice kn_spline_eval_batch.
 KN_API KN_CHECKED kn_status kn_spline_eval_batch_partials(kn_ctx *ctx, double *out, const kn_spline *s,
                                                           size_t npoints, const double *at);
 // Values on the grid at[0] x at[1] x .., n[d] parameters in variable d: out[i*dim + c], i the place in the grid, the
 // last variable fastest.
+// out:    as kn_spline_eval_batch; the sums go in another order, so that last bits differ, but for one variable.
+// error:  as kn_spline_eval_batch.
+// cost:   (p_0 + 1) ncomp multiply-adds a point, and less for the other variables where the grid is large; scratch:
+//         the control points, the basis of all parameters, and rows of about 640 numbers for each control point of
+//         the variables before the last.
 KN_API KN_CHECKED kn_status kn_spline_eval_grid(kn_ctx *ctx, double *out, const kn_spline *s, const size_t *n,
                                                 const double *const *at);
 // All partial derivatives of total order <= order.
@@ -264,6 +274,12 @@ KN_API KN_CHECKED kn_status kn_spline_reverse(kn_ctx *ctx, kn_spline *out, const
 // Variable d of out is variable order[d] of a, a permutation (else KN_EDOMAIN); bit for bit.
 KN_API KN_CHECKED kn_status kn_spline_permute(kn_ctx *ctx, kn_spline *out, const kn_spline *a, const int *order);
 // The curve, surface, .. of one variable less at x_var = at.
+// in:     any real `at`: beyond the domain the end pieces are extended, at a knot the right-hand piece counts.
+// out:    the other variables' degrees and knots, bit for bit. At the ends of the domain a's own coefficients.
+// fails:  KN_EDOMAIN var, or a of one variable (a point: kn_spline_eval).
+// error:  gamma(6 p + 1) sum_k N_k |c_k| for each coefficient, inside the domain a convex combination; beyond it with
+//         the absolute values of the recurrence's factors.
+// cost:   ncomp prod count / count[var] * (p + 1) multiply-adds.
 KN_API KN_CHECKED kn_status kn_spline_isoparametric(kn_ctx *ctx, kn_spline *out, const kn_spline *a, int var,
                                                     double at);
 // Inserts n knots (any order, repeated for multiplicity) into variable var; the function is unchanged.

@@ -42,25 +42,56 @@ static void assert_same_bits(const double *a, const double *b, size_t n)
         if (!(isnan(a[i]) && isnan(b[i]))) assert_memory_equal(&a[i], &b[i], sizeof *a);
 }
 
+static double *numbers(size_t n)
+{
+    double *x = aligned_alloc(64, (n * sizeof *x + 63) / 64 * 64 + 64);
+    assert_non_null(x);
+    return x;
+}
+
+// Values alone and with partials.
 static void check_levels(const kn_eval_function *f, test_rng *rng, size_t npoints)
 {
-    size_t room = kn_eval_room(f), nvars = (size_t)f->nvars, dim = (size_t)(f->ncomp - f->rational);
-    double *memory = aligned_alloc(64, (room * sizeof *memory + 63) / 64 * 64);
-    double *at = malloc(npoints * nvars * sizeof *at), *a = malloc((npoints * dim + 1) * sizeof *a);
-    double *b = malloc((npoints * dim + 1) * sizeof *b);
-    assert_true(memory && at && a && b);
+    size_t nvars = (size_t)f->nvars, dim = (size_t)(f->ncomp - f->rational);
+    double *memory = numbers(kn_eval_room(f)), *at = numbers(npoints * nvars);
     for (size_t i = 0; i < npoints * nvars; i++)
         at[i] = parameter(rng, f->knots[i % nvars], f->count[i % nvars], f->degree[i % nvars]);
     kn_eval_plan plan;
-    kn_eval_plain(a, f, npoints, at);
     kn_eval_prepare(&plan, f, memory);
-    for (kn_eval_level level = KN_EVAL_SSE2; level <= kn_eval_best(); level++) {
-        b[npoints * dim] = 12345.0;
-        kn_eval_planned(b, &plan, npoints, at, level);
-        assert_same_bits(a, b, npoints * dim);
-        assert_true(b[npoints * dim] == 12345.0); // nothing behind the last value
+    for (int partials = 0; partials < 2; partials++) {
+        size_t n = npoints * dim * (partials ? 1 + nvars : 1);
+        double *a = numbers(n + 1), *b = numbers(n + 1);
+        kn_eval_plain(a, f, npoints, at, partials);
+        for (kn_eval_level level = KN_EVAL_SSE2; level <= kn_eval_best(); level++) {
+            b[n] = 12345.0;
+            kn_eval_planned(b, &plan, npoints, at, partials, level);
+            assert_same_bits(a, b, n);
+            assert_true(b[n] == 12345.0); // nothing behind the last value
+        }
+        free(a), free(b);
     }
-    free(memory), free(at), free(a), free(b);
+    free(memory), free(at);
+}
+
+// The same on a grid of two variables or more.
+static void check_grid(const kn_eval_function *f, test_rng *rng, const size_t *n)
+{
+    double *at[KN_MAX_VARS];
+    size_t all = (size_t)(f->ncomp - f->rational);
+    for (int d = 0; d < f->nvars; d++) {
+        at[d] = numbers(n[d]), all *= n[d];
+        for (size_t i = 0; i < n[d]; i++) at[d][i] = parameter(rng, f->knots[d], f->count[d], f->degree[d]);
+    }
+    double *memory = numbers(kn_eval_grid_room(f, n)), *a = numbers(all + 1), *b = numbers(all + 1);
+    kn_eval_grid_plain(a, f, n, (const double *const *)at);
+    for (kn_eval_level level = KN_EVAL_SSE2; level <= kn_eval_best(); level++) {
+        b[all] = 12345.0;
+        kn_eval_grid_planned(b, f, n, (const double *const *)at, memory, level);
+        assert_same_bits(a, b, all);
+        assert_true(b[all] == 12345.0);
+    }
+    for (int d = 0; d < f->nvars; d++) free(at[d]);
+    free(memory), free(a), free(b);
 }
 
 static void levels_agree(void **state)
@@ -70,15 +101,18 @@ static void levels_agree(void **state)
     kn_ctx *ctx = test_ctx(&memory, 1);
     test_rng rng = test_random(1);
     for (int round = test_scale(60); round > 0; round--) {
-        int nvars = test_int(&rng, 1, 3), degree[3], count[3];
+        int nvars = test_int(&rng, 1, 4), degree[4], count[4];
         bool rational = test_int(&rng, 0, 1);
         for (int d = 0; d < nvars; d++) {
-            degree[d] = round % 3 == 0 ? 3 : test_int(&rng, 0, nvars > 2 ? 3 : 9);
+            degree[d] = nvars < 4 && round % 3 == 0 ? 3 : test_int(&rng, 0, nvars > 3 ? 2 : nvars > 2 ? 3 : 9);
             count[d] = degree[d] + 1 + test_int(&rng, 0, nvars > 2 ? 4 : 20);
         }
         case_ c;
         make(ctx, &c, &rng, nvars, test_int(&rng, 1 + rational, 10), rational, degree, count);
-        check_levels(&c.f, &rng, (size_t)test_int(&rng, 1, 150));
+        check_levels(&c.f, &rng, (size_t)test_int(&rng, 1, nvars > 2 ? 70 : 150));
+        size_t n[4];
+        for (int d = 0; d < nvars; d++) n[d] = (size_t)test_int(&rng, 1, nvars > 2 ? 4 : 30);
+        if (nvars > 1) check_grid(&c.f, &rng, n);
         kn_spline_clear(ctx, &c.s);
     }
     test_ctx_end(ctx, &memory);
@@ -100,6 +134,7 @@ static void levels_agree_on_bezier(void **state)
         for (int i = 0; i < n; i++) coef[i] = test_uniform(&rng, -1, 1);
         kn_eval_function f = {nvars, ncomp, false, degree, count, none, coef};
         check_levels(&f, &rng, 70);
+        if (nvars > 1) check_grid(&f, &rng, (size_t[]){3, nvars > 2 ? 4 : 300, 5}); // 300: in two blocks
         free(coef);
     }
 }
@@ -127,11 +162,11 @@ static void uneven_knots(void **state)
         kn_eval_plan plan;
         kn_eval_prepare(&plan, &f, memory);
         for (int i = 1; i < 205; i++) { // interpolation at the knots, and just below them
-            kn_eval_planned(&value, &plan, 1, &k[i], kn_eval_best());
+            kn_eval_planned(&value, &plan, 1, &k[i], false, kn_eval_best());
             assert_true(value == coef[i - 1]);
             double below = nextafter(k[i], -INFINITY), exact;
-            kn_eval_planned(&value, &plan, 1, &below, kn_eval_best());
-            kn_eval_plain(&exact, &f, 1, &below);
+            kn_eval_planned(&value, &plan, 1, &below, false, kn_eval_best());
+            kn_eval_plain(&exact, &f, 1, &below, false);
             assert_true(value == exact);
         }
         free(memory);
@@ -158,7 +193,7 @@ static void plain_is_right(void **state)
         for (int i = 0; i < 10; i++) {
             double at[4], a[2], b[2];
             for (int d = 0; d < nvars; d++) at[d] = test_uniform(&rng, c.knots[d][0], c.knots[d][count[d]]);
-            kn_eval_plain(a, &c.f, 1, at);
+            kn_eval_plain(a, &c.f, 1, at, false);
             assert_int_equal(kn_spline_eval(ctx, b, &c.s, at), KN_OK);
             // gamma(17 p + 3) max|c| and gamma(6 p + 1) max|c| a variable; coefficients are below 10
             for (int k = 0; k < 2; k++) assert_true(fabs(a[k] - b[k]) <= work * 0x1.01p-53 * 10);
