@@ -145,12 +145,12 @@ double kn_finder_kappa(kn_finder *f)
 // B_i(t) in twofold numbers: each step costs a product and an addition, 8 u^2 of non-negative terms in [0,1].
 static void basis(kn_twofold *b, int n, double t)
 {
-    kn_twofold s = kn_two_sum(1.0, -t), tt = {t, 0.0};
+    kn_twofold s = kn_two_sum(1.0, -t);
     b[0] = (kn_twofold){1.0, 0.0};
     for (int k = 1; k <= n; k++) {
-        b[k] = kn_twofold_multiply(tt, b[k - 1]);
+        b[k] = kn_twofold_scale(b[k - 1], t);
         for (int i = k - 1; i > 0; i--)
-            b[i] = kn_twofold_add(kn_twofold_multiply(s, b[i]), kn_twofold_multiply(tt, b[i - 1]));
+            b[i] = kn_twofold_add(kn_twofold_multiply(s, b[i]), kn_twofold_scale(b[i - 1], t));
         b[0] = kn_twofold_multiply(s, b[0]);
     }
 }
@@ -170,8 +170,15 @@ void kn_cell_value(const kn_cells *cells, size_t cell, const double *at, double 
     for (int c = 0; c < net->ncomp; c++) {
         const double *a = cells->coef + ((size_t)net->ncomp * cell + (size_t)c) * net->count;
         size_t count = net->count;
-        for (size_t i = 0; i < count; i++) v[i] = (kn_twofold){a[i], 0.0};
-        for (int d = net->nvars - 1; d >= 0; d--) {
+        int last = net->degree[net->nvars - 1]; // the last variable first, from plain coefficients
+        basis(b, last, at[net->nvars - 1]);
+        count /= (size_t)(last + 1);
+        for (size_t o = 0; o < count; o++) {
+            const double *line = a + o * (size_t)(last + 1);
+            v[o] = kn_twofold_scale(b[0], line[0]);
+            for (int i = 1; i <= last; i++) v[o] = kn_twofold_add(v[o], kn_twofold_scale(b[i], line[i]));
+        }
+        for (int d = net->nvars - 2; d >= 0; d--) {
             int n = net->degree[d];
             basis(b, n, at[d]);
             count /= (size_t)(n + 1);

@@ -7,6 +7,7 @@
 #include "solve/cells.h"
 #include "solve/twofold.h"
 
+#include "kernel/bernstein.h"
 #include "kernel/context.h"
 
 #include <string.h>
@@ -112,10 +113,19 @@ static kn_status keep_found(kn_ctx *ctx, seeker *s, size_t cell, kn_root_kind ki
     return keep(ctx, s, &root);
 }
 
-// The certain sign at x; 0: not certain. *value: about f(x).
+// The certain sign at x; 0: not certain. *value: about f(x). Plainly first: gamma(4n + 1) sum |c_i| B_i.
 static int sign_at(seeker *s, size_t cell, double x, double *value)
 {
-    double error = 0.0;
+    int n = s->degree;
+    double error = 0.0, size = 0.0, basis[KN_MAX_DEGREE + 1];
+    if (x >= 0.0 && x <= 1.0) {
+        const double *c = s->cells->coef + cell * (size_t)(n + 1);
+        kn_bernstein_basis(basis, n, x);
+        *value = 0.0;
+        for (int i = 0; i <= n; i++) *value += basis[i] * c[i], size += basis[i] * fabs(c[i]);
+        error = kn_rounding(4.0 * n + 8.0) * size + s->cells->error[cell] + kn_underflow();
+        if (fabs(*value) > error) return *value > 0.0 ? 1 : -1;
+    }
     kn_cell_value(s->cells, cell, &x, value, &error, s->line);
     return *value > error ? 1 : *value < -error ? -1 : 0;
 }

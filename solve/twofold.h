@@ -47,4 +47,11 @@ static inline kn_twofold kn_twofold_multiply(kn_twofold x, kn_twofold y)
     return kn_fast_two_sum(p.hi, p.lo + (x.hi * y.lo + x.lo * y.hi));
 }
 
+// x y within 3 u^2 |x y|.
+static inline kn_twofold kn_twofold_scale(kn_twofold x, double y)
+{
+    kn_twofold p = kn_two_product(x.hi, y);
+    return kn_fast_two_sum(p.hi, p.lo + x.lo * y);
+}
+
 #endif
