@@ -19,34 +19,39 @@ static kn_status place_of(kn_ctx *ctx, size_t *place, const char *call, const kn
     return KN_OK;
 }
 
-// out = B_place over b's weight: the derivative of b by the homogeneous control point at that place.
+// out = B_place over b's weight: the derivative of b by the homogeneous control point at that place. In scratch.
 static kn_status basis_function(kn_ctx *ctx, kn_bezier *out, const kn_bezier *b, size_t place)
 {
-    kn_status status = kn_bezier_init(ctx, out, b->nvars, 1 + b->rational, b->rational, b->degree);
-    if (status != KN_OK) return status;
     size_t n = kn_bezier_count(b);
+    *out = *b;
+    out->ncomp = 1 + b->rational;
+    kn_status status = kn_bezier_scratch(ctx, out, "sensitivity");
+    if (status != KN_OK) return status;
+    memset(out->coef, 0, n * sizeof *out->coef);
     out->coef[place] = 1.0;
     if (b->rational) memcpy(out->coef + n, b->coef + (size_t)(b->ncomp - 1) * n, n * sizeof *out->coef);
     return KN_OK;
 }
 
-// f(x) = sum_i c_i B_i(inner(x)) is linear in outer's control points: d f / d c_i = B_i(inner(x)), over outer's
-// weight when it has one.
+// f(x) = sum_i c_i B_i(inner(x)) is linear in outer's control points: d f / d c_i = B_i(inner(x)), over outer's weight
+// when it has one.
 kn_status kn_bezier_compose_outer_sensitivity(kn_ctx *ctx, kn_bezier *out, const kn_bezier *outer,
                                               const kn_bezier *inner, const int *index)
 {
     size_t place;
-    kn_bezier basis = {0};
+    kn_bezier basis;
     kn_status status = kn_bezier_check_operand(ctx, "outer sensitivity", outer);
     if (status == KN_OK) status = place_of(ctx, &place, "outer sensitivity", outer, index);
-    if (status == KN_OK) status = basis_function(ctx, &basis, outer, place);
+    if (status != KN_OK) return status;
+    kn_mark mark = kn_scratch_mark(ctx);
+    status = basis_function(ctx, &basis, outer, place);
     if (status == KN_OK) status = kn_bezier_compose(ctx, out, &basis, inner);
-    kn_bezier_clear(ctx, &basis);
+    kn_scratch_release(ctx, mark);
     return status;
 }
 
-// out += y_d d_d outer, y_d with degree 1 in every variable on which outer depends, so that all terms have one
-// weight.
+// out += y_d d_d outer. Of a rational outer y_d has degree 1 in every variable on which outer depends, so that all
+// terms have one weight.
 static kn_status add_radial(kn_ctx *ctx, kn_bezier *out, const kn_bezier *outer, int d)
 {
     int degree[KN_MAX_VARS];
@@ -85,7 +90,7 @@ kn_status kn_bezier_compose_inner_sensitivity(kn_ctx *ctx, kn_bezier *out, const
                                               const kn_bezier *inner, int comp, const int *index)
 {
     size_t place;
-    kn_bezier slope = {0}, basis = {0};
+    kn_bezier slope = {0}, basis;
     kn_status status = kn_bezier_check_operand(ctx, "inner sensitivity", outer);
     if (status == KN_OK) status = kn_bezier_check_operand(ctx, "inner sensitivity", inner);
     if (status == KN_OK) status = place_of(ctx, &place, "inner sensitivity", inner, index);
@@ -93,11 +98,12 @@ kn_status kn_bezier_compose_inner_sensitivity(kn_ctx *ctx, kn_bezier *out, const
     if (outer->nvars < 1 || kn_bezier_dim(inner) != outer->nvars || comp < 0 || comp >= inner->ncomp)
         return kn_fail(ctx, KN_EDOMAIN, "inner sensitivity: component %d of %d, %d outer variables", comp,
                        inner->ncomp, outer->nvars);
+    kn_mark mark = kn_scratch_mark(ctx);
     status = comp < outer->nvars ? kn_bezier_derivative(ctx, &slope, outer, comp) : radial(ctx, &slope, outer);
     if (status == KN_OK) status = kn_bezier_compose(ctx, &slope, &slope, inner);
     if (status == KN_OK) status = basis_function(ctx, &basis, inner, place);
     if (status == KN_OK) status = kn_bezier_product(ctx, out, &slope, &basis);
     kn_bezier_clear(ctx, &slope);
-    kn_bezier_clear(ctx, &basis);
+    kn_scratch_release(ctx, mark);
     return status;
 }

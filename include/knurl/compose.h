@@ -107,7 +107,7 @@ KN_API KN_CHECKED kn_status kn_spline_substitute(kn_ctx *ctx, kn_spline *out, co
 // rational outer c_i is a homogeneous coordinate: B_i(inner) / W(inner); the derivative by the weight of that control
 // point is -f times that.
 // out:    may be outer or inner. fails, error: as kn_bezier_compose; KN_EDOMAIN also for an index out of range.
-// cost:   as kn_bezier_compose with one component, and one allocation more.
+// cost:   as kn_bezier_compose with one component.
 KN_API KN_CHECKED kn_status kn_bezier_compose_outer_sensitivity(kn_ctx *ctx, kn_bezier *out, const kn_bezier *outer,
                                                                 const kn_bezier *inner, const int *index);
 // d f / d X_(comp,q), q = index (inner.nvars numbers), of outer's dimension: (d_comp outer)(inner) B_q. Of a rational

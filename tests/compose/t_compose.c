@@ -154,7 +154,7 @@ static void repeated_calls_allocate_nothing(void **state)
     test_rng rng = test_random(4);
     test_memory memory = TEST_MEMORY_INIT;
     kn_ctx *ctx = test_ctx(&memory, 1);
-    kn_bezier outer[2] = {{0}}, inner[2] = {{0}}, g = {0}, out[5] = {{0}};
+    kn_bezier outer[2] = {{0}}, inner[2] = {{0}}, g = {0}, out[6] = {{0}};
     const int three[3] = {3, 3, 1}, one[1] = {2};
     for (int i = 0; i < 2; i++) {
         test_random_bezier(ctx, &outer[i], &rng, 3, 3 + i, i, three, 3);
@@ -167,10 +167,11 @@ static void repeated_calls_allocate_nothing(void **state)
         for (int i = 0; i < 4; i++)
             assert_int_equal(kn_bezier_compose(ctx, &out[i], &outer[i & 1], &inner[i >> 1]), KN_OK);
         assert_int_equal(kn_bezier_substitute(ctx, &out[4], &outer[0], 1, &g), KN_OK);
+        assert_int_equal(kn_bezier_compose_outer_sensitivity(ctx, &out[5], &outer[1], &inner[1], three), KN_OK);
     }
     assert_int_equal(kn_ctx_counters(ctx).allocations, before);
     for (int i = 0; i < 2; i++) kn_bezier_clear(ctx, &outer[i]), kn_bezier_clear(ctx, &inner[i]);
-    for (int i = 0; i < 5; i++) kn_bezier_clear(ctx, &out[i]);
+    for (int i = 0; i < 6; i++) kn_bezier_clear(ctx, &out[i]);
     kn_bezier_clear(ctx, &g);
     test_ctx_end(ctx, &memory);
 }
