@@ -206,7 +206,7 @@ static void multiply_pieces(product *w)
 kn_status kn_spline_multiply(kn_ctx *ctx, const char *call, kn_spline *out, const kn_spline *const *operands,
                              const kn_formula *f)
 {
-    double lo[KN_MAX_VARS], hi[KN_MAX_VARS];
+    double lo[KN_MAX_VARS] = {0}, hi[KN_MAX_VARS] = {0};
     product w;
     w.n = f->ninner > 0 ? 3 : 2;
     kn_status status = kn_spline_overlap(ctx, call, lo, hi, operands, w.n);

@@ -61,7 +61,7 @@ static kn_status add_over_one_weight(kn_ctx *ctx, kn_spline *out, const kn_splin
 kn_status kn_spline_add(kn_ctx *ctx, const char *call, kn_spline *out, const kn_spline *a, const kn_spline *b,
                         double sign)
 {
-    double lo[KN_MAX_VARS], hi[KN_MAX_VARS];
+    double lo[KN_MAX_VARS] = {0}, hi[KN_MAX_VARS] = {0};
     const kn_spline *const operands[] = {a, b};
     kn_status status = kn_spline_overlap(ctx, call, lo, hi, operands, 2);
     if (status != KN_OK) return status;
