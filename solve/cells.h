@@ -15,11 +15,15 @@ void kn_window(double *out, const kn_spline *s, int comp, const int *span);
 void kn_extract(double *coef, double *error, const int *degree, int nvars, const double *const *matrix, double *work);
 // In place: degrees `to`. coef and work have room for the higher degrees.
 void kn_raise(double *coef, double *error, int nvars, const int *from, const int *to, double *work);
+// A break of full multiplicity: the pieces beside it need not agree.
+bool kn_may_jump(const kn_spline *s);
 // The cells of nf splines over one domain on which no control points exclude a common zero. Equations are scaled by
 // powers of two, so that their largest control points lie in [1/2, 1). error: of the control points of each equation;
 // NULL: none.
+// residual: what counts as 0 of a scaled equation, where there are more of them than unknowns.
 // fails:  as kn_solve_zeros.
-kn_status kn_cells_of_splines(kn_ctx *ctx, kn_cells *cells, const kn_spline *f, int nf, const double *error);
+kn_status kn_cells_of_splines(kn_ctx *ctx, kn_cells *cells, const kn_spline *f, int nf, const double *error,
+                              double residual);
 // The common zeros of functions that have such errors.
 kn_status kn_zeros_within(kn_ctx *ctx, kn_root **roots, size_t *nroots, kn_solve_report *report, const kn_spline *f,
                           int nf, const double *error, const kn_solve_options *options);

@@ -351,7 +351,7 @@ kn_status kn_solve_roots(kn_ctx *ctx, kn_root **roots, size_t *nroots, kn_solve_
     kn_status status = kn_solve_settle(ctx, &s.options, options);
     if (status == KN_OK && f->coef && (f->nvars != 1 || kn_spline_dim(f) != 1))
         status = kn_fail(ctx, KN_EDOMAIN, "roots: %d variables, dimension %d", f->nvars, kn_spline_dim(f));
-    if (status == KN_OK) status = kn_cells_of_splines(ctx, &cells, f, 1, NULL);
+    if (status == KN_OK) status = kn_cells_of_splines(ctx, &cells, f, 1, NULL, 0.0);
     s.degree = cells.net.degree[0];
     if (status == KN_OK) status = seek(ctx, &s);
     if (status == KN_OK) {

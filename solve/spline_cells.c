@@ -21,6 +21,7 @@ typedef struct builder {
     axis *axes;    // nf x nvars
     double *scale; // of each equation: a power of two
     const double *error;
+    double margin;  // of scaled equations: as much counts as 0
     double *window; // two times the coefficients of a cell
 } builder;
 
@@ -87,8 +88,7 @@ static kn_status make_axis(kn_ctx *ctx, builder *b, int i, int d)
     return KN_OK;
 }
 
-// A break of full multiplicity: the pieces beside it need not agree.
-static bool jumps(const kn_spline *s)
+bool kn_may_jump(const kn_spline *s)
 {
     for (int d = 0; d < s->nvars; d++)
         for (int k = 1; k < s->count[d]; k++)
@@ -112,7 +112,7 @@ static kn_status prepare(kn_ctx *ctx, builder *b, kn_cells *cells)
             (void)frexp(kn_largest(b->f[i].coef + (size_t)k * count, count), &e);
             b->scale[c] = ldexp(1.0, e < -1000 ? 1000 : -e);
         }
-        cells->jumps = cells->jumps || jumps(&b->f[i]);
+        cells->jumps = cells->jumps || kn_may_jump(&b->f[i]);
     }
     for (int d = 0; d < b->nvars; d++) kn_spline_domain(&b->f[0], d, &cells->lo[d], &cells->hi[d]);
     return status;
@@ -127,7 +127,7 @@ static bool excluded(const builder *b, const int *cell)
         size_t count = kn_bernstein_count(s->nvars, s->degree);
         for (int d = 0; d < s->nvars; d++) span[d] = b->axes[i * b->nvars + d].span[cell[d]];
         for (int k = 0; k < kn_spline_dim(s); k++, c++) {
-            double error = b->error ? b->error[c] : 0.0;
+            double error = (b->error ? b->error[c] : 0.0) + b->margin / b->scale[c];
             bool positive = true, negative = true;
             kn_window(b->window, s, k, span);
             for (size_t j = 0; j < count; j++) {
@@ -176,12 +176,14 @@ static kn_status add(kn_ctx *ctx, const builder *b, kn_cells *cells, const int *
     return KN_OK;
 }
 
-kn_status kn_cells_of_splines(kn_ctx *ctx, kn_cells *cells, const kn_spline *f, int nf, const double *error)
+kn_status kn_cells_of_splines(kn_ctx *ctx, kn_cells *cells, const kn_spline *f, int nf, const double *error,
+                              double residual)
 {
     kn_status status = check(ctx, f, nf, &cells->net);
     if (status != KN_OK) return status;
     kn_mark mark = kn_scratch_mark(ctx);
     builder b = {.f = f, .nf = nf, .nvars = f[0].nvars, .error = error};
+    if (cells->net.ncomp > b.nvars) b.margin = 1.01 * residual;
     int cell[KN_MAX_VARS] = {0};
     status = prepare(ctx, &b, cells);
     while (status == KN_OK) {

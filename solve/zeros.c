@@ -11,7 +11,7 @@ kn_status kn_zeros_within(kn_ctx *ctx, kn_root **roots, size_t *nroots, kn_solve
     kn_cells cells = {0};
     kn_mark mark = kn_scratch_mark(ctx);
     kn_status status = kn_solve_settle(ctx, &o, options);
-    if (status == KN_OK) status = kn_cells_of_splines(ctx, &cells, f, nf, error);
+    if (status == KN_OK) status = kn_cells_of_splines(ctx, &cells, f, nf, error, o.residual);
     if (status == KN_OK) status = kn_cells_solve(ctx, roots, nroots, report, &cells, &o);
     kn_cells_clear(ctx, &cells);
     kn_scratch_release(ctx, mark);

@@ -129,7 +129,7 @@ KN_API KN_CHECKED kn_status kn_solve_intersect_line_surface(kn_ctx *ctx, kn_root
                                                             const double *point, const double *direction,
                                                             const kn_solve_options *options);
 // Where a curve meets a surface, both of dimension 3: roots in (t, u, v).
-// cost:   also count(curve) count(surface) numbers of memory.
+// cost:   pairs of spans whose boxes of control points overlap are looked at.
 KN_API KN_CHECKED kn_status kn_solve_intersect_curve_surface(kn_ctx *ctx, kn_root **roots, size_t *nroots,
                                                              kn_solve_report *report, const kn_spline *curve,
                                                              const kn_spline *surface,

@@ -165,6 +165,53 @@ static void curves(void **state)
     test_ctx_end(ctx, &memory);
 }
 
+// A rational circle with knots, and a line through its centre; two segments in space that miss one another by 1e-13.
+static void pairs(void **state)
+{
+    (void)state;
+    test_memory memory = TEST_MEMORY_INIT;
+    kn_ctx *ctx = test_ctx(&memory, 1);
+    double knots[12] = {0, 0, 0, 1, 1, 2, 2, 3, 3, 4, 4, 4}, ends[4] = {0, 0, 1, 1}, r = sqrt(0.5);
+    double c[27] = {1, r, 0, -r, -1, -r, 0, r, 1, 0, r, 1, r, 0, -r, -1, -r, 0, 1, r, 1, r, 1, r, 1, r, 1};
+    double l[4] = {-1.2, 1.2, -1.6, 1.6};
+    kn_spline circle = {
+        .nvars = 1, .ncomp = 3, .rational = true, .degree = {2}, .count = {9}, .knots = {knots}, .coef = c};
+    kn_spline line = {.nvars = 1, .ncomp = 2, .degree = {1}, .count = {2}, .knots = {ends}, .coef = l};
+    kn_root *roots = NULL;
+    size_t n = 0;
+    assert_int_equal(kn_solve_intersect_curves(ctx, &roots, &n, NULL, &line, &circle, NULL), KN_OK);
+    assert_int_equal(n, 2);
+    for (int i = 0; i < 2; i++) {
+        assert_int_equal(roots[i].kind, KN_ROOT_UNIQUE);
+        assert_true(fabs(roots[i].at[0] - (i == 0 ? 0.25 : 0.75)) < 1e-14);
+    }
+    kn_free(ctx, roots);
+    l[0] = 0.0, l[1] = 2.0, l[2] = l[3] = 0.0; // through the seam of the circle: both of its ends
+    assert_int_equal(kn_solve_intersect_curves(ctx, &roots, &n, NULL, &line, &circle, NULL), KN_OK);
+    assert_int_equal(n, 2);
+    assert_true(roots[0].at_edge && roots[1].at_edge);
+    kn_free(ctx, roots);
+    l[1] = -2.0; // through a knot
+    assert_int_equal(kn_solve_intersect_curves(ctx, &roots, &n, NULL, &line, &circle, NULL), KN_OK);
+    assert_int_equal(n, 1);
+    assert_int_equal(roots[0].kind, KN_ROOT_UNIQUE);
+    assert_true(fabs(roots[0].at[1] - 2.0) < 1e-14);
+    kn_free(ctx, roots);
+    double a[6] = {0, 1, 0, 1, 0, 1}, b[6] = {1.0 + 1e-13, 2, 1, 3, 1, 1};
+    kn_spline first = {.nvars = 1, .ncomp = 3, .degree = {1}, .count = {2}, .knots = {ends}, .coef = a},
+              second = first;
+    second.coef = b;
+    assert_int_equal(kn_solve_intersect_curves(ctx, &roots, &n, NULL, &first, &second, NULL), KN_OK);
+    assert_int_equal(n, 1);
+    assert_int_equal(roots[0].kind, KN_ROOT_POSSIBLE);
+    kn_free(ctx, roots);
+    b[0] = 1.0 + 1e-10;
+    assert_int_equal(kn_solve_intersect_curves(ctx, &roots, &n, NULL, &first, &second, NULL), KN_OK);
+    assert_int_equal(n, 0);
+    kn_free(ctx, roots);
+    test_ctx_end(ctx, &memory);
+}
+
 static kn_status all(kn_ctx *ctx, void *user)
 {
     double knots[4] = {0, 0, 1, 1}, c[12] = {0, 0, 1, 1, 0, 1, 0, 1, 0, 0, 0, 0.1},
@@ -196,6 +243,6 @@ static void allocation(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {cmocka_unit_test(lines), cmocka_unit_test(cylinder), cmocka_unit_test(curves),
-                                       cmocka_unit_test(allocation)};
+                                       cmocka_unit_test(pairs), cmocka_unit_test(allocation)};
     return cmocka_run_group_tests_name("solve/intersect", tests, NULL, NULL);
 }
