@@ -7,7 +7,7 @@
 
 #include <flint/flint.h>
 
-static const int SHAPES[][4] = {{1, 0}, {1, 3}, {1, 9}, {1, 27}, {2, 3, 3}, {2, 1, 6}, {2, 3, 4}, {3, 2, 3, 1}};
+static const int SHAPES[][4] = {{1, 0}, {1, 3}, {1, 9}, {1, 27}, {2, 3, 3}, {2, 1, 6}, {2, 2, 3}, {3, 2, 1, 1}};
 enum { NSHAPES = sizeof SHAPES / sizeof *SHAPES };
 
 typedef struct world {
