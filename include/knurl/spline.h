@@ -101,9 +101,8 @@ KN_API KN_CHECKED kn_status kn_spline_eval_grid(kn_ctx *ctx, double *out, const 
 // All partial derivatives of total order <= order.
 // out:    kn_derivative_count(nvars, order) values of dim components each, in the order of kn_derivative_index.
 // fails:  KN_EDOMAIN order < 0; KN_ELIMIT order > KN_MAX_DEGREE or too many; KN_EUNDEFINED the weight is zero.
-// error:  polynomial: gamma(E), E as for kn_spline_eval, times the same sum with differences taken as sums of
-// absolute
-//         values. rational: as kn_bezier_derivatives.
+// error:  polynomial: gamma(E - order), E as for kn_spline_eval, order that of the derivative at hand, times the same
+//         sum with differences taken as sums of absolute values. rational: as kn_bezier_derivatives.
 // cost:   count(nvars, order) values of kn_spline_eval at most.
 KN_API KN_CHECKED kn_status kn_spline_derivatives(kn_ctx *ctx, double *out, const kn_spline *s, const double *at,
                                                   int order);

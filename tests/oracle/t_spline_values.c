@@ -138,7 +138,9 @@ static void derivative(spline_world *w, exact_judge_t *judge, exact_kind kind, c
         for (int d = 0; d < a->nvars; d++) left -= index[d] = test_int(&w->rng, 0, left);
         value_at(w->x, a, at, index);
         size_at(w->s, a, at, index);
-        exact_judge_one(judge, out[kn_derivative_index(a->nvars, index)], w->x, w->s, value_roundings(a));
+        int taken = 0; // each order saves a rounding
+        for (int d = 0; d < a->nvars; d++) taken += index[d] <= a->degree[d] ? index[d] : 0;
+        exact_judge_one(judge, out[kn_derivative_index(a->nvars, index)], w->x, w->s, value_roundings(a) - taken);
     }
 }
 
