@@ -255,9 +255,10 @@ typedef struct kn_patch_place {
     int surface, cell[2];
 } kn_patch_place;
 // The tile patch D behind an output patch, restricted to its piece: (u, v, w), u and v counted in cells from *place
-// (NULL: not wanted), w in length units; out is overwritten. The place is the patch's own cell, beyond whose edges D
-// may reach, or the cell of another surface where the tile continues over an edge that the two surfaces share.
-// Lets a caller check patch = T(D), with kn_job_lines. fails: KN_EDOMAIN no such patch, KN_ENOMEM; out unchanged.
+// (NULL: not wanted), w in length units; out: initialised, overwritten. The place is the patch's own cell, beyond
+// whose edges D may reach, or the cell of another surface where the tile continues over an edge that the two
+// surfaces share. Lets a caller check patch = T(D), with kn_job_lines. fails: KN_EDOMAIN no such patch, KN_ENOMEM;
+// out unchanged.
 KN_API KN_CHECKED kn_status kn_job_source(kn_ctx *ctx, kn_bezier *out, kn_patch_place *place, const kn_job *job,
                                           const kn_patch_id *id);
 

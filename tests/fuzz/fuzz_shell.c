@@ -93,8 +93,9 @@ static void run_job(feed *f, kn_job *job)
                       feed_wild(f, 0, 1),
                       feed_wild(f, 0, 1)};
     kn_patch_place place;
-    kn_bezier source;
-    if (kn_job_source(f->ctx, &source, &place, job, &id) == KN_OK) kn_bezier_clear(f->ctx, &source);
+    kn_bezier source = {0};
+    (void)kn_job_source(f->ctx, &source, &place, job, &id);
+    kn_bezier_clear(f->ctx, &source);
     if (kn_job_tile(job)->nparts < 1 || !kn_job_shell(job, 0) || !kn_job_lines(job, 0, 1)) abort();
     if (kn_job_lines(job, id.surface + 2, 0) && id.surface + 2 >= report.nsurfaces) abort();
     if (report.patches > 200 || open_sink(f, &sink) != KN_OK) return;
