@@ -121,6 +121,7 @@ $(shell mkdir -p $(B); printf '%s\n' '$(CC) $(CXX) $(ALL_CFLAGS) $(ALL_CXXFLAGS)
 $(B)/obj/cli/%.o $(B)/obj/tests/%.o: CPP += $(WITH)
 $(B)/obj/bridges/occt/%.o $(B)/obj/tests/bridges/%.o: CPP += $(CPP_occt)
 $(B)/obj/%_avx2.c.o: OPT += -mavx2
+$(patsubst %,$(B)/obj/kernel/eval_%.c.o,sse2 vector wide): OPT += -fno-tree-vectorize # they are vectors already
 $(B)/obj/%_avx512.c.o: OPT += -mavx512f -mavx512dq -mavx512vl
 $(B)/obj/%.c.o: %.c $(B)/flags
 	@mkdir -p $(@D)

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The stages of batched evaluation in vectors of LANES doubles (2, 4 or 8), to be included once by a file that defines
-// LANES and TARGET, the attribute of the machines it is for. Everything is inlined into functions of that target.
+// LANES and TARGET, the attribute of the machines it is for. Only the sums of surfaces have code of their own: all
+// else is compiled once, for any degrees and numbers of variables and components.
 //
 // A block of points goes through: spans and local parameters, Bernstein polynomials (lanes are points), B-splines
 // (lanes are control points), sums (lanes are components). The last two need no gathers: a point's control points lie
@@ -24,6 +25,7 @@ enum { LOW = LANES < KN_EVAL_VECTOR ? LANES : KN_EVAL_VECTOR };
 typedef double low __attribute__((vector_size(LOW * sizeof(double)), aligned(sizeof(double)), may_alias));
 
 #define INLINE TARGET static inline __attribute__((always_inline))
+#define STAGE TARGET static __attribute__((noinline)) // once, whoever calls it
 
 INLINE void splat(vec *v, double x)
 {
@@ -56,8 +58,8 @@ INLINE void lookup(__m512d *to, const __m512d *table, __m512i i)
 }
 
 // Few spans: their tables fit into registers.
-INLINE void find_spans(double *restrict x, double *restrict scale, int *restrict span, size_t *restrict offset,
-                       const kn_eval_axis *a, const double *restrict t)
+STAGE void find_spans(double *restrict x, double *restrict scale, int *restrict span, size_t *restrict offset,
+                      const kn_eval_axis *a, const double *restrict t)
 {
     __m512d lo = _mm512_set1_pd(a->lo), factor = _mm512_set1_pd(a->scale), last = _mm512_set1_pd(a->buckets - 1);
     __m512d end = _mm512_set1_pd(a->end), degree = _mm512_set1_pd(a->degree), left[4], inverse[4];
@@ -96,8 +98,8 @@ INLINE void find_spans(double *restrict x, double *restrict scale, int *restrict
     }
 }
 #else
-INLINE void find_spans(double *restrict x, double *restrict scale, int *restrict span, size_t *restrict offset,
-                       const kn_eval_axis *axis, const double *restrict t)
+STAGE void find_spans(double *restrict x, double *restrict scale, int *restrict span, size_t *restrict offset,
+                      const kn_eval_axis *axis, const double *restrict t)
 {
     const kn_eval_axis a = *axis; // in registers: stores below cannot change it
     for (int i = 0; i < KN_EVAL_BLOCK; i++) span[i] = kn_eval_bucket(&a, t[i]);
@@ -115,7 +117,7 @@ INLINE void find_spans(double *restrict x, double *restrict scale, int *restrict
 // ---- basis ----
 
 // b[r][i] = C(p,r) x_i^r (1-x_i)^(p-r).
-INLINE void bernstein(double *restrict b, const double *restrict x, const double *restrict binomial, int p)
+STAGE void bernstein(double *restrict b, const double *restrict x, const double *restrict binomial, int p)
 {
     for (int i = 0; i < KN_EVAL_BLOCK; i += LANES) {
         vec xi = *(const vec *)(x + i), yi = 1.0 - xi, power, one;
@@ -128,8 +130,8 @@ INLINE void bernstein(double *restrict b, const double *restrict x, const double
 }
 
 // g[r][i] = scale_i (b_(r-1) - b_r), b of degree p - 1.
-INLINE void slopes(double *restrict g, const double *restrict x, const double *restrict scale,
-                   const double *restrict binomial, int p)
+STAGE void slopes(double *restrict g, const double *restrict x, const double *restrict scale,
+                  const double *restrict binomial, int p)
 {
     bernstein(g, x, binomial, p - 1);
     for (int i = 0; i < KN_EVAL_BLOCK; i += LANES) {
@@ -144,10 +146,10 @@ INLINE void slopes(double *restrict g, const double *restrict x, const double *r
 }
 
 // basis[i][k] = sum_r b[r][i] E[r][k] of the point's span, and slope from g.
-INLINE void b_splines(double *restrict basis, double *restrict slope, const kn_eval_axis *a, const int *span, int n,
-                      int p, int width, bool partials)
+INLINE void b_splines(const kn_eval_axis *a, const int *span, int n, int p, int width, bool partials)
 {
     const double *b = a->b, *g = a->g, *extract = a->extract;
+    double *basis = a->basis, *slope = a->slope;
     for (int i = 0; i < n; i++) {
         const double *e = extract + (size_t)span[i] * (size_t)((p + 1) * width);
         for (int k = 0; k < width; k += LOW) {
@@ -164,156 +166,143 @@ INLINE void b_splines(double *restrict basis, double *restrict slope, const kn_e
     }
 }
 
-// Everything of one variable for the n <= KN_EVAL_BLOCK points t[i * apart]. fixed: the degree, or -1.
-INLINE void one_axis(view *v, size_t *offset, const kn_eval_axis *a, const double *t, size_t apart, int n, int fixed,
-                     bool partials)
+STAGE void cubic_b_splines(const kn_eval_axis *a, const int *span, int n)
+{
+    b_splines(a, span, n, 3, 4, false);
+}
+
+STAGE void cubic_slopes(const kn_eval_axis *a, const int *span, int n)
+{
+    b_splines(a, span, n, 3, 4, true);
+}
+
+STAGE void any_b_splines(const kn_eval_axis *a, const int *span, int n, bool partials)
+{
+    b_splines(a, span, n, a->degree, a->width, partials);
+}
+
+// Everything of one variable for the n <= KN_EVAL_BLOCK points t[i * apart].
+STAGE void one_axis(view *v, size_t *offset, const kn_eval_axis *a, const double *t, size_t apart, int n,
+                    bool partials)
 {
     double x[KN_EVAL_BLOCK], scale[KN_EVAL_BLOCK], at[KN_EVAL_BLOCK];
-    int span[KN_EVAL_BLOCK], p = fixed >= 0 ? fixed : a->degree;
+    int span[KN_EVAL_BLOCK];
     for (int i = 0; i < n; i++) at[i] = t[(size_t)i * apart];
     for (int i = n; i < KN_EVAL_BLOCK; i++) at[i] = a->lo;
     find_spans(x, scale, span, offset, a, at);
-    bernstein(a->b, x, a->binomial, p);
-    if (partials) slopes(a->g, x, scale, a->low, p);
-    *v = (view){.n = a->b, .g = a->g, .step = KN_EVAL_BLOCK, .point = 1, .stride = a->stride, .degree = p};
+    bernstein(a->b, x, a->binomial, a->degree);
+    if (partials) slopes(a->g, x, scale, a->low, a->degree);
+    *v = (view){.n = a->b, .g = a->g, .step = KN_EVAL_BLOCK, .point = 1, .stride = a->stride, .degree = a->degree};
     if (!a->extract) return;
-    int width = fixed >= 0 ? (fixed + KN_EVAL_VECTOR) / KN_EVAL_VECTOR * KN_EVAL_VECTOR : a->width;
-    b_splines(a->basis, a->slope, a, span, n, p, width, partials);
-    *v = (view){a->basis, a->slope, 1, (size_t)width, a->stride, p};
+    if (a->degree != 3)
+        any_b_splines(a, span, n, partials);
+    else if (partials)
+        cubic_slopes(a, span, n);
+    else
+        cubic_b_splines(a, span, n);
+    *v = (view){a->basis, a->slope, 1, (size_t)a->width, a->stride, a->degree};
 }
 
 // ---- sums over control points ----
+// A sum begins with -0, which changes no bits of what is added to it.
+
+INLINE void start(vec *sum, int results)
+{
+    for (int m = 0; m < results; m++) splat(&sum[m], -0.0);
+}
 
 // sum[0 .. d+1] += the terms of one B-spline n (derivative g) of variable d, s[0 .. d] the value and partials of the
 // variables before it.
-INLINE void add(vec *sum, const vec *s, vec n, vec g, bool first, int d, bool partials)
+INLINE void add(vec *sum, const vec *s, vec n, vec g, int d, bool partials)
 {
-    int results = partials ? 1 + d : 1;
-    for (int m = 0; m < results && first; m++) sum[m] = n * s[m];
-    for (int m = 0; m < results && !first; m++) sum[m] += n * s[m];
-    if (partials && first) sum[1 + d] = g * s[0];
-    if (partials && !first) sum[1 + d] += g * s[0];
+    for (int m = 0; m < (partials ? 1 + d : 1); m++) sum[m] += n * s[m];
+    if (partials) sum[1 + d] += g * s[0];
 }
 
-INLINE void add_scaled(vec *sum, const vec *s, const view *v, int k, size_t i, int d, bool first, bool partials)
+// B-spline k of point i.
+INLINE void add_scaled(vec *sum, const vec *s, const view *v, int k, size_t i, int d, bool partials)
 {
     vec n, g = {0};
     size_t at = i * v->point + (size_t)k * v->step;
     splat(&n, v->n[at]);
     if (partials) splat(&g, v->g[at]);
-    add(sum, s, n, g, first, d, partials);
+    add(sum, s, n, g, d, partials);
 }
 
-// s: the sums over the variables 0 .. n-1 at coefficient c of point i.
-INLINE void inner1(vec *s, const double *c, const view *v, size_t i, int fixed, bool partials)
+// s: the sums over the first variable at coefficient c of point i.
+INLINE void line(vec *s, const double *c, const view *v, size_t i, int fixed, bool partials)
 {
-    add_scaled(s, (const vec *)c, &v[0], 0, i, 0, true, partials);
-    for (int k = 1; k <= (fixed >= 0 ? fixed : v[0].degree); k++)
-        add_scaled(s, (const vec *)(c + (size_t)k * v[0].stride), &v[0], k, i, 0, false, partials);
+    int p = fixed >= 0 ? fixed : v->degree;
+    start(s, partials ? 2 : 1);
+    for (int k = 0; k <= p; k++, c += v->stride) add_scaled(s, (const vec *)c, v, k, i, 0, partials);
 }
 
-INLINE void inner2(vec *s, const double *c, const view *v, size_t i, int fixed, bool partials)
-{
-    vec t[2];
-    inner1(t, c, v, i, fixed, partials);
-    add_scaled(s, t, &v[1], 0, i, 1, true, partials);
-    for (int k = 1; k <= (fixed >= 0 ? fixed : v[1].degree); k++) {
-        inner1(t, c + (size_t)k * v[1].stride, v, i, fixed, partials);
-        add_scaled(s, t, &v[1], k, i, 1, false, partials);
-    }
-}
-
-// n >= 3: over all of the variables 2 .. n-1, the lowest fastest; a sum that is complete is a term of the next one.
-INLINE void inner_many(vec *s, const double *c, const view *v, size_t i, int n, bool partials)
+// n >= 2: over the variables 0 .. n-1, the lowest fastest; a sum that is complete is a term of the next one.
+STAGE void many(vec *s, const double *c, const view *v, size_t i, int n, bool partials)
 {
     vec sum[KN_MAX_VARS][KN_MAX_VARS + 1];
-    int k[KN_MAX_VARS] = {0}, d = 0;
-    memset(sum, 0, (size_t)n * sizeof *sum);
+    int k[KN_MAX_VARS] = {0}, d;
+    for (int m = 0; m < n; m++) start(sum[m], KN_MAX_VARS + 1);
     do {
-        inner2(s, c, v, i, -1, partials);
-        for (d = 2; d < n; d++) {
-            add_scaled(sum[d], s, &v[d], k[d], i, d, k[d] == 0, partials);
+        line(s, c, v, i, -1, partials);
+        for (d = 1; d < n; d++) {
+            int results = partials ? d + 2 : 1;
+            add_scaled(sum[d], s, &v[d], k[d], i, d, partials);
             if (k[d] < v[d].degree) {
                 k[d]++, c += v[d].stride;
                 break;
             }
             c -= (size_t)k[d] * v[d].stride, k[d] = 0;
-            memcpy(s, sum[d], (partials ? (size_t)d + 2 : 1) * sizeof *s);
+            memcpy(s, sum[d], (size_t)results * sizeof *s);
+            start(sum[d], results);
         }
     } while (d < n);
 }
 
+// Over the variables 0 .. n-1.
 INLINE void inner(vec *s, const double *c, const view *v, size_t i, int n, int fixed, bool partials)
 {
     if (n == 0)
         s[0] = *(const vec *)c;
     else if (n == 1)
-        inner1(s, c, v, i, fixed, partials);
-    else if (n == 2)
-        inner2(s, c, v, i, fixed, partials);
+        line(s, c, v, i, fixed, partials);
     else
-        inner_many(s, c, v, i, n, partials);
-}
-
-// Term k of the last variable.
-INLINE void last_term(vec *sum, const double *c, const view *v, int k, size_t i, int nvars, int fixed, bool first,
-                      bool partials)
-{
-    vec s[KN_MAX_VARS + 1];
-    const view *last = &v[nvars - 1];
-    inner(s, c + (size_t)k * last->stride, v, i, nvars - 1, fixed, partials);
-    add_scaled(sum, s, last, k, i, nvars - 1, first, partials);
+        many(s, c, v, i, n, partials);
 }
 
 // h[m] = result m: even and odd terms of the last variable apart.
 INLINE void whole(vec *h, const double *c, const view *v, size_t i, int nvars, int fixed, bool partials)
 {
-    int p = fixed >= 0 ? fixed : v[nvars - 1].degree;
-    vec odd[KN_MAX_VARS + 1];
-    last_term(h, c, v, 0, i, nvars, fixed, true, partials);
-    if (p == 0) return;
-    last_term(odd, c, v, 1, i, nvars, fixed, true, partials);
-    for (int k = 2; k <= p; k += 2) {
-        last_term(h, c, v, k, i, nvars, fixed, false, partials);
-        if (k < p) last_term(odd, c, v, k + 1, i, nvars, fixed, false, partials);
+    const view *last = &v[nvars - 1];
+    int p = fixed >= 0 ? fixed : last->degree, results = partials ? 1 + nvars : 1;
+    vec odd[KN_MAX_VARS + 1], s[KN_MAX_VARS + 1];
+    start(h, results), start(odd, results);
+    for (int k = 0; k <= p; k++, c += last->stride) {
+        inner(s, c, v, i, nvars - 1, fixed, partials);
+        add_scaled(k % 2 ? odd : h, s, last, k, i, nvars - 1, partials);
     }
-    for (int m = 0; m <= (partials ? nvars : 0); m++) h[m] = h[m] + odd[m];
+    for (int m = 0; m < results; m++) h[m] = h[m] + odd[m];
 }
 
 #if LANES == 8
-INLINE void pair(vec *v, const double *n, size_t step)
-{
-    *v = _mm512_mask_broadcastsd_pd(_mm512_set1_pd(n[0]), 0xF0, _mm_load_sd(n + step));
-}
-
-// Terms k and k + 1 of the last variable, of four components: in the low half of a vector and in the high one.
-INLINE void last_pair(vec *sum, const double *c, const view *v, int k, size_t i, int nvars, int fixed, bool first,
-                      bool partials)
-{
-    const view *last = &v[nvars - 1];
-    size_t at = i * last->point + (size_t)k * last->step;
-    vec s[KN_MAX_VARS + 1], n, g = {0};
-    pair(&n, last->n + at, last->step);
-    if (partials) pair(&g, last->g + at, last->step);
-    inner(s, c + k * KN_EVAL_VECTOR, v, i, nvars - 1, fixed, partials);
-    add(sum, s, n, g, first, nvars - 1, partials);
-}
-
-// As whole, for four components.
+// As whole, for four components: terms k and k + 1 of the last variable in the low half of a vector and in the high
+// one. Where there is no k + 1, what is in the high half belongs to nobody.
 INLINE void whole_pairs(low *h, const double *c, const view *v, size_t i, int nvars, int fixed, bool partials)
 {
-    int p = fixed >= 0 ? fixed : v[nvars - 1].degree, results = partials ? 1 + nvars : 1;
-    vec sum[KN_MAX_VARS + 1], one[KN_MAX_VARS + 1];
-    if (p == 0) { // what is in the high half belongs to nobody
-        last_term(one, c, v, 0, i, nvars, fixed, true, partials);
-        for (int m = 0; m < results; m++) h[m] = _mm512_castpd512_pd256(one[m]);
-        return;
-    }
-    last_pair(sum, c, v, 0, i, nvars, fixed, true, partials);
-    for (int k = 2; k < p; k += 2) last_pair(sum, c, v, k, i, nvars, fixed, false, partials);
-    if (p % 2 == 0) { // here too
-        last_term(one, c, v, p, i, nvars, fixed, true, partials);
-        for (int m = 0; m < results; m++) sum[m] = _mm512_mask_add_pd(sum[m], 0x0F, sum[m], one[m]);
+    const view *last = &v[nvars - 1];
+    int p = fixed >= 0 ? fixed : last->degree, results = partials ? 1 + nvars : 1;
+    vec sum[KN_MAX_VARS + 1], s[KN_MAX_VARS + 1];
+    start(sum, results);
+    for (int k = 0; k <= p; k += 2) {
+        size_t at = i * last->point + (size_t)k * last->step, next = k < p ? at + last->step : at;
+        __mmask8 both = k < p ? 0xFF : 0x0F;
+        vec n = _mm512_mask_broadcastsd_pd(_mm512_set1_pd(last->n[at]), 0xF0, _mm_load_sd(last->n + next)), g = {0};
+        if (partials) g = _mm512_mask_broadcastsd_pd(_mm512_set1_pd(last->g[at]), 0xF0, _mm_load_sd(last->g + next));
+        inner(s, c + k * KN_EVAL_VECTOR, v, i, nvars - 1, fixed, partials);
+        for (int m = 0; m < results; m++) {
+            vec term = m == nvars ? g * s[0] : n * s[m];
+            sum[m] = _mm512_mask_add_pd(sum[m], both, sum[m], term);
+        }
     }
     for (int m = 0; m < results; m++)
         h[m] = _mm256_add_pd(_mm512_castpd512_pd256(sum[m]), _mm512_extractf64x4_pd(sum[m], 1));
@@ -323,7 +312,7 @@ INLINE void whole_pairs(low *h, const double *c, const view *v, size_t i, int nv
 // ---- results ----
 
 // From h[m * width + c], the weight last.
-INLINE void divide(double *out, const double *h, int dim, int width, int results)
+STAGE void divide(double *out, const double *h, int dim, int width, int results)
 {
     double w = h[dim];
     for (int c = 0; c < dim; c++) out[c] = h[c] / w;
@@ -332,7 +321,7 @@ INLINE void divide(double *out, const double *h, int dim, int width, int results
 }
 
 // The same for at most four components in vectors, the weight in the last lane.
-INLINE void divide_narrow(low *h, int results)
+STAGE void divide_narrow(low *h, int results)
 {
     enum { PARTS = KN_EVAL_VECTOR / LOW };
     double weight = h[PARTS - 1][LOW - 1];
@@ -345,116 +334,122 @@ INLINE void divide_narrow(low *h, int results)
 
 // ---- a block ----
 
-// A point of four components or fewer: whole vectors, of which the next result overwrites what is too much; `room`
-// tells that the last one may do so, too.
-INLINE void narrow_point(double *out, bool room, int dim, bool rational, const double *c, const view *v, size_t i,
-                         int nvars, int fixed, bool partials)
+typedef struct block {
+    double *out;
+    const double *end; // of all results
+    const kn_eval_plan *plan;
+    const size_t *offset;
+    const view *v;
+    int n, dim;
+} block;
+
+// Points of four components or fewer: whole vectors, of which the next result overwrites what is too much. The last
+// ones of all have no room for that.
+INLINE void narrow(const block *b, int nvars, int fixed, bool partials)
 {
     enum { PARTS = KN_EVAL_VECTOR / LOW };
-    int results = partials ? 1 + nvars : 1;
-    double copy[(KN_MAX_VARS + 1) * KN_EVAL_VECTOR], *to = room ? out : copy;
-    low h[(KN_MAX_VARS + 1) * PARTS];
+    const kn_eval_plan *plan = b->plan;
+    int results = partials ? 1 + nvars : 1, dim = b->dim;
+    size_t each = (size_t)(results * dim);
+    double *out = b->out, copy[(KN_MAX_VARS + 1) * KN_EVAL_VECTOR];
+    for (size_t i = 0; i < (size_t)b->n; i++, out += each) {
+        bool room = b->end - out >= (ptrdiff_t)each + KN_EVAL_VECTOR;
+        double *to = room ? out : copy;
+        const double *c = plan->packed + b->offset[i];
+        low h[(KN_MAX_VARS + 1) * PARTS];
 #if LANES == 8
-    whole_pairs(h, c, v, i, nvars, fixed, partials);
+        whole_pairs(h, c, b->v, i, nvars, fixed, partials);
 #else
-    for (int part = 0; part < PARTS; part++) {
-        vec one[KN_MAX_VARS + 1];
-        whole(one, c + part * LANES, v, i, nvars, fixed, partials);
-        for (int m = 0; m < results; m++) h[m * PARTS + part] = one[m];
-    }
+        for (int part = 0; part < PARTS; part++) {
+            vec one[KN_MAX_VARS + 1];
+            whole(one, c + part * LANES, b->v, i, nvars, fixed, partials);
+            for (int m = 0; m < results; m++) h[m * PARTS + part] = one[m];
+        }
 #endif
-    if (rational) divide_narrow(h, results);
-    for (int m = 0; m < results; m++)
-        for (int part = 0; part < PARTS; part++) *(low *)(to + m * dim + part * LOW) = h[m * PARTS + part];
-    if (!room) memcpy(out, copy, (size_t)(results * dim) * sizeof *out);
-}
-
-INLINE void wide_point(double *out, const kn_eval_plan *plan, const double *c, const view *v, size_t i, int nvars,
-                       bool partials)
-{
-    int dim = plan->ncomp - plan->rational, results = partials ? 1 + nvars : 1, width = plan->width;
-    double h[(KN_MAX_VARS + 1) * KN_MAX_COMPS];
-    for (int part = 0; part < width; part += LANES) {
-        vec one[KN_MAX_VARS + 1];
-        whole(one, c + part, v, i, nvars, -1, partials);
-        for (int m = 0; m < results; m++) *(vec *)(h + m * width + part) = one[m];
-    }
-    if (plan->rational)
-        divide(out, h, dim, width, results);
-    else
-        for (int m = 0; m < results; m++) memcpy(out + m * dim, h + m * width, (size_t)dim * sizeof *out);
-}
-
-// nvars 0: any number, and any number of components.
-INLINE void all_blocks(double *out, const kn_eval_plan *plan, size_t npoints, const double *at, int nvars, int fixed,
-                       bool partials)
-{
-    int vars = nvars > 0 ? nvars : plan->nvars;
-    int dim = plan->ncomp - plan->rational;
-    bool rational = plan->rational;
-    size_t each = (size_t)dim * (partials ? 1 + (size_t)vars : 1);
-    const double *end = out + npoints * each;
-    while (npoints > 0) {
-        int n = npoints < KN_EVAL_BLOCK ? (int)npoints : KN_EVAL_BLOCK;
-        view v[KN_MAX_VARS];
-        size_t offset[KN_EVAL_BLOCK] = {0};
-        for (int d = 0; d < vars; d++)
-            one_axis(&v[d], offset, &plan->axis[d], at + d, (size_t)vars, n, fixed, partials);
-        const double *packed = plan->packed;
-        for (int i = 0; i < n; i++, out += each)
-            if (nvars > 0 || plan->width == KN_EVAL_VECTOR) {
-                bool room = end - out >= (ptrdiff_t)each + KN_EVAL_VECTOR;
-                narrow_point(out, room, dim, rational, packed + offset[i], v, (size_t)i, vars, fixed, partials);
-            } else
-                wide_point(out, plan, packed + offset[i], v, (size_t)i, vars, partials);
-        npoints -= (size_t)n, at += n * vars;
+        if (plan->rational) divide_narrow(h, results);
+        for (int m = 0; m < results; m++)
+            for (int part = 0; part < PARTS; part++) *(low *)(to + m * dim + part * LOW) = h[m * PARTS + part];
+        if (!room) memcpy(out, copy, each * sizeof *out);
     }
 }
 
-// The degree when it is the same in all variables and common, else -1.
-INLINE int common_degree(const kn_eval_plan *plan)
+STAGE void bicubic_values(const block *b)
 {
-    int p = plan->axis[0].degree;
-    for (int d = 1; d < plan->nvars; d++)
-        if (plan->axis[d].degree != p) return -1;
-    return p;
+    narrow(b, 2, 3, false);
+}
+
+STAGE void bicubic_partials(const block *b)
+{
+    narrow(b, 2, 3, true);
+}
+
+STAGE void surface_values(const block *b)
+{
+    narrow(b, 2, -1, false);
+}
+
+STAGE void surface_partials(const block *b)
+{
+    narrow(b, 2, -1, true);
+}
+
+STAGE void any_narrow(const block *b, bool partials)
+{
+    narrow(b, b->plan->nvars, -1, partials);
+}
+
+STAGE void any_wide(const block *b, bool partials)
+{
+    const kn_eval_plan *plan = b->plan;
+    int width = plan->width, dim = b->dim, results = partials ? 1 + plan->nvars : 1;
+    double h[(KN_MAX_VARS + 1) * KN_MAX_COMPS], *out = b->out;
+    for (size_t i = 0; i < (size_t)b->n; i++, out += results * dim) {
+        const double *c = plan->packed + b->offset[i];
+        for (int part = 0; part < width; part += LANES) {
+            vec one[KN_MAX_VARS + 1];
+            whole(one, c + part, b->v, i, plan->nvars, -1, partials);
+            for (int m = 0; m < results; m++) *(vec *)(h + m * width + part) = one[m];
+        }
+        if (plan->rational)
+            divide(out, h, dim, width, results);
+        else
+            for (int m = 0; m < results; m++) memcpy(out + m * dim, h + m * width, (size_t)dim * sizeof *out);
+    }
 }
 
 // Code of its own where it is worth it.
-INLINE void choose(double *out, const kn_eval_plan *plan, size_t npoints, const double *at, bool partials)
+static void choose(const block *b, bool partials)
 {
-    int p = common_degree(plan);
-    switch (plan->width == KN_EVAL_VECTOR ? plan->nvars : 0) {
-    case 1:
-        if (p == 3)
-            all_blocks(out, plan, npoints, at, 1, 3, partials);
-        else
-            all_blocks(out, plan, npoints, at, 1, -1, partials);
-        return;
-    case 2:
-        if (p == 3)
-            all_blocks(out, plan, npoints, at, 2, 3, partials);
-        else if (p == 2)
-            all_blocks(out, plan, npoints, at, 2, 2, partials);
-        else
-            all_blocks(out, plan, npoints, at, 2, -1, partials);
-        return;
-    case 3:
-        if (p == 3)
-            all_blocks(out, plan, npoints, at, 3, 3, partials);
-        else
-            all_blocks(out, plan, npoints, at, 3, -1, partials);
-        return;
-    default: all_blocks(out, plan, npoints, at, 0, -1, partials);
-    }
+    const kn_eval_plan *plan = b->plan;
+    bool cubic = plan->axis[0].degree == 3 && plan->axis[1].degree == 3;
+    if (plan->width > KN_EVAL_VECTOR)
+        any_wide(b, partials);
+    else if (plan->nvars != 2)
+        any_narrow(b, partials);
+    else if (cubic && partials)
+        bicubic_partials(b);
+    else if (cubic)
+        bicubic_values(b);
+    else if (partials)
+        surface_partials(b);
+    else
+        surface_values(b);
 }
 
 TARGET static void points(double *out, const kn_eval_plan *plan, size_t npoints, const double *at, bool partials)
 {
-    if (partials)
-        choose(out, plan, npoints, at, true);
-    else
-        choose(out, plan, npoints, at, false);
+    int vars = plan->nvars, dim = plan->ncomp - plan->rational;
+    size_t each = (size_t)dim * (partials ? 1 + (size_t)vars : 1);
+    view v[KN_MAX_VARS];
+    block b = {.out = out, .end = out + npoints * each, .plan = plan, .v = v, .dim = dim};
+    while (npoints > 0) {
+        int n = npoints < KN_EVAL_BLOCK ? (int)npoints : KN_EVAL_BLOCK;
+        size_t offset[KN_EVAL_BLOCK] = {0};
+        for (int d = 0; d < vars; d++) one_axis(&v[d], offset, &plan->axis[d], at + d, (size_t)vars, n, partials);
+        b.n = n, b.offset = offset;
+        choose(&b, partials);
+        b.out += (size_t)n * each, npoints -= (size_t)n, at += n * vars;
+    }
 }
 
 // ---- grids ----
@@ -465,10 +460,7 @@ TARGET static void axis_basis(double *basis, size_t *first, const kn_eval_axis *
         int m = n - done < KN_EVAL_BLOCK ? (int)(n - done) : KN_EVAL_BLOCK;
         size_t offset[KN_EVAL_BLOCK] = {0};
         view v;
-        if (a->degree == 3)
-            one_axis(&v, offset, a, at + done, 1, m, 3, false);
-        else
-            one_axis(&v, offset, a, at + done, 1, m, -1, false);
+        one_axis(&v, offset, a, at + done, 1, m, false);
         for (int i = 0; i < m; i++, basis += a->width) {
             *first++ = offset[i];
             for (int k = 0; k <= a->degree; k++) basis[k] = v.n[(size_t)i * v.point + (size_t)k * v.step];
@@ -476,16 +468,20 @@ TARGET static void axis_basis(double *basis, size_t *first, const kn_eval_axis *
     }
 }
 
+INLINE void row_part(double *out, const double *in, size_t in_row, const double *n, int p)
+{
+    vec sum = n[0] * *(const vec *)in;
+    for (int k = 1; k <= p; k++) sum += n[k] * *(const vec *)(in + (size_t)k * in_row);
+    *(vec *)out = sum;
+}
+
+// What is left of a row is done with the vector that ends it, some of it twice.
 INLINE void one_row(double *restrict out, const double *restrict in, size_t in_row, const double *restrict n, int p,
                     size_t length)
 {
-    size_t x = 0;
-    for (; x + LANES <= length; x += LANES) {
-        vec sum = n[0] * *(const vec *)(in + x);
-        for (int k = 1; k <= p; k++) sum += n[k] * *(const vec *)(in + (size_t)k * in_row + x);
-        *(vec *)(out + x) = sum;
-    }
-    for (; x < length; x++) {
+    for (size_t x = 0; x + LANES <= length; x += LANES) row_part(out + x, in + x, in_row, n, p);
+    if (length % LANES != 0 && length > LANES) row_part(out + length - LANES, in + length - LANES, in_row, n, p);
+    for (size_t x = 0; length < LANES && x < length; x++) {
         double sum = n[0] * in[x];
         for (int k = 1; k <= p; k++) sum += n[k] * in[(size_t)k * in_row + x];
         out[x] = sum;
@@ -497,12 +493,10 @@ TARGET static void rows(const kn_eval_rows *r)
     for (size_t i = 0; i < r->n; i++) {
         double *out = r->out + i * r->out_row;
         const double *in = r->in + r->first[i] * r->scale, *n = r->basis + i * (size_t)r->width;
-        switch (r->degree) {
-        case 1: one_row(out, in, r->in_row, n, 1, r->length); break;
-        case 2: one_row(out, in, r->in_row, n, 2, r->length); break;
-        case 3: one_row(out, in, r->in_row, n, 3, r->length); break;
-        default: one_row(out, in, r->in_row, n, r->degree, r->length);
-        }
+        if (r->degree == 3)
+            one_row(out, in, r->in_row, n, 3, r->length);
+        else
+            one_row(out, in, r->in_row, n, r->degree, r->length);
     }
 }
 
