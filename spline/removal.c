@@ -116,14 +116,67 @@ static bool is_exact(const removal *r, const kn_rows *g)
     return true;
 }
 
-static void commit(const removal *r, kn_rows *g)
+// ---- many removals in one sweep ----
+// From the last knot to the first; what the sweep is done with waits behind a gap, so that a removal moves what lies
+// between itself and the gap, and not all that follows.
+typedef struct gap {
+    double *array;
+    size_t width, begin, end, total; // elements of `width` numbers: [begin, end) is free
+} gap;
+
+typedef struct sweep {
+    kn_rows *g;
+    gap knots, rows;
+} sweep;
+
+static sweep start_sweep(kn_rows *g)
+{
+    size_t rows = (size_t)g->count, knots = rows + (size_t)g->degree + 1;
+    gap k = {g->knots, 1, knots, knots, knots}, r = {g->row, g->lines * (size_t)g->ncomp, rows, rows, rows};
+    return (sweep){g, k, r};
+}
+
+static void move(const gap *g, size_t to, size_t from, size_t n)
+{
+    memmove(g->array + to * g->width, g->array + from * g->width, n * g->width * sizeof *g->array);
+}
+
+// The gap begins at `place`, unless it does so before that.
+static void lower_gap(gap *g, size_t place)
+{
+    if (place >= g->begin) return;
+    size_t n = g->begin - place;
+    move(g, g->end - n, place, n);
+    g->begin = place, g->end -= n;
+}
+
+static void take_out(gap *g, size_t place)
+{
+    move(g, place, place + 1, g->begin - place - 1);
+    g->begin--;
+}
+
+// The removal of some or all copies of a knot, the last of which is s, reads rows up to s and knots up to s + degree,
+// and leaves that many before the gap for the next copy.
+static void sweep_to(sweep *w, int s)
+{
+    lower_gap(&w->rows, (size_t)s + 1);
+    lower_gap(&w->knots, (size_t)(s + w->g->degree) + 1);
+}
+
+static void commit(const removal *r, sweep *w)
 {
     int n = r->degree - r->m + 1, first = r->s - r->degree - 1;
-    memcpy(row_of(g, first), r->d, (size_t)(n + 1) * r->width * sizeof *r->d);
-    memmove(row_of(g, first + n + 1), row_of(g, first + n + 2),
-            (size_t)(g->count - first - n - 2) * r->width * sizeof *g->row);
-    memmove(g->knots + r->s, g->knots + r->s + 1, (size_t)(g->count + g->degree - r->s) * sizeof *g->knots);
-    g->count--;
+    memcpy(row_of(w->g, first), r->d, (size_t)(n + 1) * r->width * sizeof *r->d);
+    take_out(&w->rows, (size_t)(first + n + 1));
+    take_out(&w->knots, (size_t)r->s);
+    w->g->count--;
+}
+
+static void end_sweep(sweep *w)
+{
+    move(&w->rows, w->rows.begin, w->rows.end, w->rows.total - w->rows.end);
+    move(&w->knots, w->knots.begin, w->knots.end, w->knots.total - w->knots.end);
 }
 
 // The last index and the multiplicity of the interior knots before index s; s = count starts, 0 ends.
@@ -138,16 +191,19 @@ static int previous(const kn_rows *g, int s, int *m)
 static void remove_exactly(removal *r, kn_rows *g, double only)
 {
     int m = 0;
+    sweep w = start_sweep(g);
     for (int s = previous(g, g->count, &m); s > 0; s = previous(g, s - m + 1, &m)) {
         if (!isnan(only) && g->knots[s] != only) continue;
+        sweep_to(&w, s);
         for (; m > 0; m--, s--) {
             aim(r, g, s, m);
             for (int k = 0; k < r->degree + 3; k++) r->mu[k] = 0.0;
             solve(r, g, 0.0);
             if (!is_exact(r, g)) break;
-            commit(r, g);
+            commit(r, &w);
         }
     }
+    end_sweep(&w);
 }
 
 typedef struct candidate {
@@ -291,12 +347,15 @@ static kn_status attempt(kn_ctx *ctx, greedy *w, int n)
     for (; n > 0; n /= 2) {
         double bound, x = w->g->knots[w->list[0].s];
         qsort(w->list, (size_t)n, sizeof *w->list, by_place_down); // so that the places of the others stay
+        sweep all = start_sweep(w->g);
         for (int k = 0; k < n; k++) {
+            sweep_to(&all, w->list[k].s);
             aim(&w->r, w->g, w->list[k].s, w->list[k].m);
             weigh(&w->r, w->g);
             solve(&w->r, w->g, 1.0);
-            commit(&w->r, w->g);
+            commit(&w->r, &all);
         }
+        end_sweep(&all);
         kn_status status = kn_rows_distance(ctx, &bound, w->fresh, w->f, w->g);
         if (status != KN_OK) return status;
         if (bound <= w->tolerance) {
