@@ -56,6 +56,7 @@ INLINE void add_row(double *c, const vec *row, int vectors, double sign)
 INLINE void sweep(const block *b, int rows, int vectors)
 {
     const bool twice = rows * vectors <= 5;
+    const int odds = twice ? vectors : 0; // gcc without optimisation unrolls for plain conditions only
     tile s, odd;
     double *c = b->c;
     const double *wide = b->wide;
@@ -69,7 +70,7 @@ INLINE void sweep(const block *b, int rows, int vectors)
         }
         for (; t < b->columns; t++) column(s, b->thin + t, b->step_thin, wide - t, rows, vectors);
 #pragma GCC unroll 8
-        for (int w = 0; w < vectors && twice; w++) s[0][w] = add(s[0][w], odd[0][w]);
+        for (int w = 0; w < odds; w++) s[0][w] = add(s[0][w], odd[0][w]);
         add_row(c, s[0], vectors, b->sign);
 #pragma GCC unroll 8
         for (int i = 0; i < rows; i++)
@@ -82,7 +83,7 @@ INLINE void sweep(const block *b, int rows, int vectors)
 #pragma GCC unroll 8
     for (int i = 0; i < rows - 1; i++, c += b->step_c) {
 #pragma GCC unroll 8
-        for (int w = 0; w < vectors && twice; w++) s[i][w] = add(s[i][w], odd[i][w]);
+        for (int w = 0; w < odds; w++) s[i][w] = add(s[i][w], odd[i][w]);
         add_row(c, s[i], vectors, b->sign);
     }
 }
