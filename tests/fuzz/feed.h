@@ -132,6 +132,21 @@ static inline double *feed_room(feed *f, size_t n)
     return feed_block(f, n * sizeof(double));
 }
 
+// How many points: few mostly, one time in 16 more than the widest vectors and smallest tables need.
+static inline size_t feed_points(feed *f)
+{
+    int b = feed_byte(f);
+    return b >= 240 ? 64 + 3 * (size_t)feed_byte(f) : (size_t)b % 21;
+}
+
+// The same numbers bit for bit, NaN being one number.
+static inline bool feed_same(const double *a, const double *b, size_t n)
+{
+    for (size_t i = 0; i < n; i++)
+        if (memcmp(&a[i], &b[i], sizeof *a) != 0 && !(isnan(a[i]) && isnan(b[i]))) return false;
+    return true;
+}
+
 // Parameters in [0,1] mostly.
 static inline double *feed_parameters(feed *f, size_t n)
 {

@@ -37,12 +37,42 @@ static size_t places(int n)
     return n < 0 ? 0 : n > KN_MAX_VARS ? KN_MAX_VARS : (size_t)n;
 }
 
+static size_t dimension(const kn_bezier *a)
+{
+    return a->ncomp < 1 || a->ncomp > KN_MAX_COMPS ? 1 : (size_t)kn_bezier_dim(a);
+}
+
+// Values and partials; the values have the bits of a batch.
+static kn_status partials(feed *f, double *values, const kn_bezier *a, size_t npoints, const double *at, size_t dim)
+{
+    size_t stride = (places(a->nvars) + 1) * dim;
+    double *out = feed_room(f, npoints * stride);
+    kn_status status = kn_bezier_eval_batch_partials(f->ctx, out, a, npoints, at);
+    if (status != KN_OK) return status;
+    if (kn_bezier_eval_batch(f->ctx, values, a, npoints, at) != KN_OK) abort();
+    for (size_t i = 0; i < npoints; i++)
+        if (!feed_same(out + i * stride, values + i * dim, dim)) abort();
+    return KN_OK;
+}
+
+static kn_status grid(feed *f, const kn_bezier *a, size_t dim)
+{
+    size_t nvars = places(a->nvars), n[KN_MAX_VARS + 1] = {0}, total = 1;
+    const double *axis[KN_MAX_VARS + 1] = {NULL};
+    for (size_t d = 0; d < nvars; d++) {
+        n[d] = (size_t)feed_int(f, 0, nvars == 1 ? 80 : nvars < 4 ? 7 : 2);
+        axis[d] = feed_parameters(f, n[d]);
+        total *= n[d];
+    }
+    return kn_bezier_eval_grid(f->ctx, feed_room(f, total * dim), a, n, axis);
+}
+
 // Numbers out of a piece.
 static kn_status numbers(machine *m, int call, const kn_bezier *a)
 {
     feed *f = &m->f;
-    size_t nvars = places(a->nvars), npoints = (size_t)feed_int(f, 0, 9);
-    size_t dim = a->ncomp < 1 || a->ncomp > KN_MAX_COMPS ? 1 : (size_t)a->ncomp;
+    size_t nvars = places(a->nvars), npoints = feed_points(f);
+    size_t dim = dimension(a);
     const double *at = feed_parameters(f, nvars * (npoints + 1)), *hi = feed_parameters(f, nvars);
     double *room = feed_room(f, dim * (npoints + 1)), *other = feed_room(f, dim);
     switch (call) {
@@ -53,6 +83,8 @@ static kn_status numbers(machine *m, int call, const kn_bezier *a)
     case 4: return kn_bezier_box(f->ctx, room, other, a, at, hi);
     case 5: return kn_bezier_oriented_box(f->ctx, feed_block(f, sizeof(kn_oriented_box)), a);
     case 6: return kn_bezier_least_degree(f->ctx, feed_block(f, nvars * sizeof(int)), a, feed_number(f));
+    case 7: return partials(f, room, a, npoints, at, dim);
+    case 8: return grid(f, a, dim);
     default: return kn_bezier_lipschitz(f->ctx, feed_room(f, nvars), a);
     }
 }
@@ -60,7 +92,7 @@ static kn_status numbers(machine *m, int call, const kn_bezier *a)
 static kn_status derivatives(machine *m, const kn_bezier *a)
 {
     feed *f = &m->f;
-    size_t nvars = places(a->nvars), dim = a->ncomp < 1 || a->ncomp > KN_MAX_COMPS ? 1 : (size_t)a->ncomp;
+    size_t nvars = places(a->nvars), dim = dimension(a);
     const double *at = feed_parameters(f, nvars);
     int order = feed_wild(f, 0, 4), count = kn_derivative_count((int)nvars, order), index[KN_MAX_VARS] = {0};
     if ((size_t)count * dim > 1 << 13) return KN_OK;
@@ -136,7 +168,7 @@ static kn_status binary(machine *m, int call, kn_bezier *out, const kn_bezier *a
     }
 }
 
-enum { NUMBERS = 8, UNARY = 14, BINARY = 7 };
+enum { NUMBERS = 10, UNARY = 14, BINARY = 7 };
 
 static void call(machine *m)
 {

@@ -87,11 +87,43 @@ static void systems_of_splines(feed *f, int call)
     for (int i = 0; i < 4; i++) kn_spline_clear(f->ctx, &a[i]);
 }
 
+// Points come nearest first, from the domain, and each repeats the distance of its own point.
+static void closest_points(feed *f)
+{
+    kn_spline s;
+    feed_spline(f, &s, feed_int(f, 1, 3));
+    int dim = s.nvars ? kn_spline_dim(&s) : 1;
+    const double *point = feed_numbers(f, (size_t)dim);
+    kn_solve_options options = make_options(f);
+    kn_closest *found = NULL;
+    size_t n = 0;
+    double lower = 0.0;
+    kn_solve_report report;
+    bool quiet = feed_byte(f) % 4 == 0;
+    kn_ctx_clear_error(f->ctx);
+    kn_status status = kn_solve_closest(f->ctx, &found, &n, quiet ? NULL : &lower, quiet ? NULL : &report, &s, point,
+                                        &options);
+    if ((status == KN_OK) != (kn_ctx_error(f->ctx) == KN_OK)) abort();
+    if (status == KN_OK && (n == 0 || !(lower >= 0.0))) abort();
+    for (size_t i = 0; i < n; i++) {
+        if (!(found[i].distance >= (i ? found[i - 1].distance : 0.0))) abort();
+        for (int d = 0; d < s.nvars; d++) {
+            double lo, hi;
+            kn_spline_domain(&s, d, &lo, &hi);
+            if (!(lo <= found[i].at[d] && found[i].at[d] <= hi)) abort();
+        }
+    }
+    kn_free(f->ctx, found);
+    kn_spline_clear(f->ctx, &s);
+}
+
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
     feed f = feed_begin(data, size);
-    int call = feed_byte(&f) % 10;
-    if (call < 3)
+    int call = feed_byte(&f) % 12;
+    if (call >= 10)
+        closest_points(&f);
+    else if (call < 3)
         (void)predicates(&f, call);
     else if (call == 3)
         systems_of_pieces(&f);

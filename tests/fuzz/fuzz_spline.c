@@ -46,10 +46,37 @@ static double *parameters(machine *m, const kn_spline *a, size_t npoints)
     return at;
 }
 
+// Values and partials; the values have the bits of a batch.
+static kn_status partials(feed *f, double *values, const kn_spline *a, size_t npoints, const double *at, size_t dim)
+{
+    size_t stride = ((size_t)a->nvars + 1) * dim;
+    double *out = feed_room(f, npoints * stride);
+    kn_status status = kn_spline_eval_batch_partials(f->ctx, out, a, npoints, at);
+    if (status != KN_OK) return status;
+    if (kn_spline_eval_batch(f->ctx, values, a, npoints, at) != KN_OK) abort();
+    for (size_t i = 0; i < npoints; i++)
+        if (!feed_same(out + i * stride, values + i * dim, dim)) abort();
+    return KN_OK;
+}
+
+static kn_status grid(feed *f, const kn_spline *a, size_t dim)
+{
+    size_t n[KN_MAX_VARS + 1] = {0}, total = 1;
+    const double *axis[KN_MAX_VARS + 1] = {NULL};
+    for (int d = 0; d < a->nvars; d++) {
+        double *at = feed_parameters(f, n[d] = (size_t)feed_int(f, 0, a->nvars == 1 ? 80 : 9)), lo, hi;
+        kn_spline_domain(a, d, &lo, &hi);
+        for (size_t i = 0; i < n[d]; i++)
+            if (at[i] >= 0.0 && at[i] <= 1.0) at[i] = lo + at[i] * (hi - lo);
+        axis[d] = at, total *= n[d];
+    }
+    return kn_spline_eval_grid(f->ctx, feed_room(f, total * dim), a, n, axis);
+}
+
 static kn_status numbers(machine *m, int call, const kn_spline *a)
 {
     feed *f = &m->f;
-    size_t npoints = (size_t)feed_int(f, 0, 20), dim = a->nvars ? (size_t)kn_spline_dim(a) : 1;
+    size_t npoints = feed_points(f), dim = a->nvars ? (size_t)kn_spline_dim(a) : 1;
     const double *at = parameters(m, a, npoints + 1), *hi = parameters(m, a, 1);
     double *room = feed_room(f, dim * (npoints + 1)), *other = feed_room(f, dim);
     switch (call) {
@@ -64,6 +91,8 @@ static kn_status numbers(machine *m, int call, const kn_spline *a)
         int *degree = feed_block(f, (size_t)a->nvars * sizeof *degree);
         return kn_spline_least_degree(f->ctx, degree, a, feed_number(f));
     }
+    case 8: return partials(f, room, a, npoints, at, dim);
+    case 9: return grid(f, a, dim);
     default: {
         int order = feed_wild(f, 0, 4), count = kn_derivative_count(a->nvars, order);
         if ((size_t)count * dim > 1 << 13) return KN_OK;
@@ -101,6 +130,7 @@ static kn_status unary(machine *m, int call, kn_spline *out, const kn_spline *a)
         const double *matrix = feed_numbers(f, rows * columns);
         return kn_spline_affine(f->ctx, out, a, dim, matrix, feed_byte(f) % 2 ? feed_numbers(f, rows) : NULL);
     }
+    case 12: return kn_spline_isoparametric(f->ctx, out, a, var, n ? parameters(m, a, 1)[n - 1] : feed_number(f));
     case 11: {
         int *degree = int_array(f, n, 0, 5);
         double error;
@@ -206,7 +236,7 @@ static kn_status pieces(machine *m, kn_spline *out, const kn_spline *a)
     return status;
 }
 
-enum { NUMBERS = 9, UNARY = 13, KNOTS = 5, BINARY = 8 };
+enum { NUMBERS = 11, UNARY = 14, KNOTS = 5, BINARY = 8 };
 
 static void call(machine *m)
 {
