@@ -58,6 +58,7 @@ typedef struct kn_eval_axis {
     int degree, width; // width: degree + 1 rounded up to whole vectors
     int spans, buckets, steps;
     double lo, end, scale;
+    double step;            // spans begin at lo + i step, bit for bit, and are equally long; 0: no
     size_t stride;          // of packed coefficients, in numbers
     double *left, *inverse; // of each span: where it begins, 1 / its length
     size_t *first, even;    // where in the packed coefficients its own begin; even: it is i * even (0: it is not)

@@ -145,6 +145,16 @@ static void fill_buckets(kn_eval_axis *a)
     for (a->steps = 0; range > 0; range /= 2) a->steps++;
 }
 
+// Equal spans, and coefficients that are as regular.
+static void find_step(kn_eval_axis *a)
+{
+    double step = a->spans > 1 ? a->left[1] - a->lo : a->end - a->lo;
+    bool equal = a->spans == 1 || a->even > 0;
+    for (int i = 0; i < a->spans; i++)
+        if (a->lo + i * step != a->left[i] || a->inverse[i] != a->inverse[0]) equal = false;
+    a->step = equal ? step : 0.0;
+}
+
 void kn_eval_fill_axis(kn_eval_axis *a, const kn_eval_function *f, int d)
 {
     const double *knots = f->knots[d];
@@ -155,6 +165,7 @@ void kn_eval_fill_axis(kn_eval_axis *a, const kn_eval_function *f, int d)
     a->even = a->spans > 1 && a->first[1] <= UINT32_MAX ? a->first[1] : 0;
     for (int i = 0; i < a->spans; i++)
         if (a->first[i] != (size_t)i * a->even) a->even = 0;
+    find_step(a);
     kn_binomial_row(a->binomial, a->degree);
     if (a->degree > 0) kn_binomial_row(a->low, a->degree - 1);
 }

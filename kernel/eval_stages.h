@@ -57,6 +57,33 @@ INLINE void lookup(__m512d *to, const __m512d *table, __m512i i)
     *to = _mm512_mask_blend_pd(_mm512_cmpgt_epi64_mask(i, _mm512_set1_epi64(15)), low16, high16);
 }
 
+// Of equal spans: the quotient is right or beside it.
+STAGE void equal_spans(double *restrict x, double *restrict scale, int *restrict span, size_t *restrict offset,
+                       const kn_eval_axis *a, const double *restrict t)
+{
+    __m512d lo = _mm512_set1_pd(a->lo), step = _mm512_set1_pd(a->step), inverse = _mm512_set1_pd(a->inverse[0]);
+    __m512d last = _mm512_set1_pd(a->spans - 1), end = _mm512_set1_pd(a->end), one = _mm512_set1_pd(1.0);
+    __m512d degree = _mm512_set1_pd(a->degree), slope = _mm512_mul_pd(degree, inverse), zero = _mm512_setzero_pd();
+    __m512i even = _mm512_set1_epi64((long long)a->even);
+    for (int i = 0; i < KN_EVAL_BLOCK; i += 8) {
+        __m512d at = _mm512_loadu_pd(t + i), z = _mm512_mul_pd(_mm512_sub_pd(at, lo), inverse);
+        z = _mm512_min_pd(_mm512_max_pd(z, zero), last); // max answers 0 for NaN
+        z = _mm512_roundscale_pd(z, _MM_FROUND_TO_ZERO | _MM_FROUND_NO_EXC);
+        __m512d left = _mm512_add_pd(lo, _mm512_mul_pd(z, step)), next = _mm512_add_pd(z, one);
+        __m512d right = _mm512_add_pd(lo, _mm512_mul_pd(next, step));
+        z = _mm512_mask_sub_pd(z, _mm512_cmp_pd_mask(at, left, _CMP_LT_OQ), z, one);
+        z = _mm512_mask_mov_pd(z, _mm512_cmp_pd_mask(at, right, _CMP_GE_OQ), next);
+        z = _mm512_min_pd(_mm512_max_pd(z, zero), last);
+        left = _mm512_add_pd(lo, _mm512_mul_pd(z, step));
+        __m512d local = _mm512_mul_pd(_mm512_sub_pd(at, left), inverse);
+        _mm512_storeu_pd(x + i, _mm512_mask_mov_pd(local, _mm512_cmp_pd_mask(at, end, _CMP_EQ_OQ), one));
+        _mm512_storeu_pd(scale + i, slope);
+        __m512i s = _mm512_cvttpd_epi64(z), *to = (__m512i *)(void *)(offset + i);
+        _mm256_storeu_si256((__m256i *)(void *)(span + i), _mm512_cvtepi64_epi32(s));
+        _mm512_storeu_si512(to, _mm512_add_epi64(_mm512_loadu_si512(to), _mm512_mul_epu32(s, even)));
+    }
+}
+
 // Few spans: their tables fit into registers.
 STAGE void find_spans(double *restrict x, double *restrict scale, int *restrict span, size_t *restrict offset,
                       const kn_eval_axis *a, const double *restrict t)
@@ -65,6 +92,10 @@ STAGE void find_spans(double *restrict x, double *restrict scale, int *restrict 
     __m512d end = _mm512_set1_pd(a->end), degree = _mm512_set1_pd(a->degree), left[4], inverse[4];
     int top = a->steps > 0 ? 1 << (a->steps - 1) : 0;
     bool few = a->spans < KN_EVAL_FEW;
+    if (a->step > 0.0) {
+        equal_spans(x, scale, span, offset, a, t);
+        return;
+    }
     for (int k = 0; k < 4; k++)
         left[k] = _mm512_loadu_pd(a->left + 8 * k), inverse[k] = _mm512_loadu_pd(a->inverse + 8 * k);
     for (int i = 0; i < KN_EVAL_BLOCK; i += 8) {
@@ -145,6 +176,26 @@ STAGE void slopes(double *restrict g, const double *restrict x, const double *re
     }
 }
 
+// Both of degree 3; the same operations.
+STAGE void cubic(double *restrict b, double *restrict g, const double *restrict x, const double *restrict scale,
+                 bool partials)
+{
+    enum { N = KN_EVAL_BLOCK };
+    for (int i = 0; i < N; i += LANES) {
+        vec xi = *(const vec *)(x + i), yi = 1.0 - xi, x2 = xi * xi, y2 = yi * yi;
+        *(vec *)(b + i) = y2 * yi;
+        *(vec *)(b + N + i) = 3.0 * xi * y2;
+        *(vec *)(b + 2 * N + i) = 3.0 * x2 * yi;
+        *(vec *)(b + 3 * N + i) = x2 * xi;
+        if (!partials) continue;
+        vec s = *(const vec *)(scale + i), xy = 2.0 * xi * yi;
+        *(vec *)(g + i) = s * (0.0 - y2);
+        *(vec *)(g + N + i) = s * (y2 - xy);
+        *(vec *)(g + 2 * N + i) = s * (xy - x2);
+        *(vec *)(g + 3 * N + i) = s * x2;
+    }
+}
+
 // basis[i][k] = sum_r b[r][i] E[r][k] of the point's span, and slope from g.
 INLINE void b_splines(const kn_eval_axis *a, const int *span, int n, int p, int width, bool partials)
 {
@@ -181,17 +232,33 @@ STAGE void any_b_splines(const kn_eval_axis *a, const int *span, int n, bool par
     b_splines(a, span, n, a->degree, a->width, partials);
 }
 
+// t[i * apart], and something at the end of a block that is not full.
+INLINE void gather(double *to, const double *t, size_t apart, int n, double rest)
+{
+    int i = 0;
+#if LANES == 8
+    const __m512i even = _mm512_set_epi64(14, 12, 10, 8, 6, 4, 2, 0);
+    for (; apart == 2 && i + 8 < n; i += 8) // the last number of a whole vector may be nobody's
+        _mm512_storeu_pd(to + i, _mm512_permutex2var_pd(_mm512_loadu_pd(t + 2 * i), even, _mm512_loadu_pd(t + 2 * i + 8)));
+#endif
+    for (; i < n; i++) to[i] = t[(size_t)i * apart];
+    for (; i < KN_EVAL_BLOCK; i++) to[i] = rest;
+}
+
 // Everything of one variable for the n <= KN_EVAL_BLOCK points t[i * apart].
 STAGE void one_axis(view *v, size_t *offset, const kn_eval_axis *a, const double *t, size_t apart, int n,
                     bool partials)
 {
     double x[KN_EVAL_BLOCK], scale[KN_EVAL_BLOCK], at[KN_EVAL_BLOCK];
     int span[KN_EVAL_BLOCK];
-    for (int i = 0; i < n; i++) at[i] = t[(size_t)i * apart];
-    for (int i = n; i < KN_EVAL_BLOCK; i++) at[i] = a->lo;
+    gather(at, t, apart, n, a->lo);
     find_spans(x, scale, span, offset, a, at);
-    bernstein(a->b, x, a->binomial, a->degree);
-    if (partials) slopes(a->g, x, scale, a->low, a->degree);
+    if (a->degree == 3)
+        cubic(a->b, a->g, x, scale, partials);
+    else {
+        bernstein(a->b, x, a->binomial, a->degree);
+        if (partials) slopes(a->g, x, scale, a->low, a->degree);
+    }
     *v = (view){.n = a->b, .g = a->g, .step = KN_EVAL_BLOCK, .point = 1, .stride = a->stride, .degree = a->degree};
     if (!a->extract) return;
     if (a->degree != 3)
@@ -295,13 +362,12 @@ INLINE void whole_pairs(low *h, const double *c, const view *v, size_t i, int nv
     start(sum, results);
     for (int k = 0; k <= p; k += 2) {
         size_t at = i * last->point + (size_t)k * last->step, next = k < p ? at + last->step : at;
-        __mmask8 both = k < p ? 0xFF : 0x0F;
         vec n = _mm512_mask_broadcastsd_pd(_mm512_set1_pd(last->n[at]), 0xF0, _mm_load_sd(last->n + next)), g = {0};
         if (partials) g = _mm512_mask_broadcastsd_pd(_mm512_set1_pd(last->g[at]), 0xF0, _mm_load_sd(last->g + next));
         inner(s, c + k * KN_EVAL_VECTOR, v, i, nvars - 1, fixed, partials);
         for (int m = 0; m < results; m++) {
             vec term = m == nvars ? g * s[0] : n * s[m];
-            sum[m] = _mm512_mask_add_pd(sum[m], both, sum[m], term);
+            sum[m] = _mm512_mask_add_pd(sum[m], k < p ? 0xFF : 0x0F, sum[m], term);
         }
     }
     for (int m = 0; m < results; m++)
@@ -345,57 +411,74 @@ typedef struct block {
 
 // Points of four components or fewer: whole vectors, of which the next result overwrites what is too much. The last
 // ones of all have no room for that.
-INLINE void narrow(const block *b, int nvars, int fixed, bool partials)
+INLINE void narrow(const block *b, int nvars, int fixed, bool split, bool partials)
 {
     enum { PARTS = KN_EVAL_VECTOR / LOW };
-    const kn_eval_plan *plan = b->plan;
+    bool rational = b->plan->rational;
     int results = partials ? 1 + nvars : 1, dim = b->dim;
-    size_t each = (size_t)(results * dim);
+    size_t each = (size_t)(results * dim), n = (size_t)b->n, room = (size_t)(b->end - b->out);
+    size_t roomy = room < KN_EVAL_VECTOR ? 0 : (room - KN_EVAL_VECTOR) / each; // points with room
+    const double *packed = b->plan->packed;
+    const size_t *offset = b->offset;
     double *out = b->out, copy[(KN_MAX_VARS + 1) * KN_EVAL_VECTOR];
-    for (size_t i = 0; i < (size_t)b->n; i++, out += each) {
-        bool room = b->end - out >= (ptrdiff_t)each + KN_EVAL_VECTOR;
-        double *to = room ? out : copy;
-        const double *c = plan->packed + b->offset[i];
+    view v[KN_MAX_VARS];
+    for (int d = 0; d < nvars; d++) v[d] = b->v[d];
+    if (split) v[0].step = 1, v[0].point = KN_EVAL_VECTOR, v[1].step = KN_EVAL_BLOCK, v[1].point = 1;
+    for (size_t i = 0; i < n; i++, out += each) {
+        double *to = i < roomy ? out : copy;
+        const double *c = packed + offset[i];
         low h[(KN_MAX_VARS + 1) * PARTS];
 #if LANES == 8
-        whole_pairs(h, c, b->v, i, nvars, fixed, partials);
+        whole_pairs(h, c, v, i, nvars, fixed, partials);
 #else
         for (int part = 0; part < PARTS; part++) {
             vec one[KN_MAX_VARS + 1];
-            whole(one, c + part * LANES, b->v, i, nvars, fixed, partials);
+            whole(one, c + part * LANES, v, i, nvars, fixed, partials);
             for (int m = 0; m < results; m++) h[m * PARTS + part] = one[m];
         }
 #endif
-        if (plan->rational) divide_narrow(h, results);
+        if (rational) divide_narrow(h, results);
         for (int m = 0; m < results; m++)
             for (int part = 0; part < PARTS; part++) *(low *)(to + m * dim + part * LOW) = h[m * PARTS + part];
-        if (!room) memcpy(out, copy, each * sizeof *out);
+        if (i >= roomy) memcpy(out, copy, each * sizeof *out);
     }
+}
+
+// Of splines whose last variable is in Bezier form; a constant tells the compiler where all numbers lie.
+INLINE bool is_split(const block *b)
+{
+    return b->v[0].step == 1 && b->v[1].step != 1;
 }
 
 STAGE void bicubic_values(const block *b)
 {
-    narrow(b, 2, 3, false);
+    if (is_split(b))
+        narrow(b, 2, 3, true, false);
+    else
+        narrow(b, 2, 3, false, false);
 }
 
 STAGE void bicubic_partials(const block *b)
 {
-    narrow(b, 2, 3, true);
+    if (is_split(b))
+        narrow(b, 2, 3, true, true);
+    else
+        narrow(b, 2, 3, false, true);
 }
 
 STAGE void surface_values(const block *b)
 {
-    narrow(b, 2, -1, false);
+    narrow(b, 2, -1, false, false);
 }
 
 STAGE void surface_partials(const block *b)
 {
-    narrow(b, 2, -1, true);
+    narrow(b, 2, -1, false, true);
 }
 
 STAGE void any_narrow(const block *b, bool partials)
 {
-    narrow(b, b->plan->nvars, -1, partials);
+    narrow(b, b->plan->nvars, -1, false, partials);
 }
 
 STAGE void any_wide(const block *b, bool partials)
