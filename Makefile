@@ -36,11 +36,12 @@ WARN_C := -std=c17 -Wpedantic -Wshadow -Wconversion -Wmissing-prototypes
 WARN_CXX := -std=c++17
 CPP := -Iinclude -I. -D_POSIX_C_SOURCE=200809L
 OPT_release := -O3 -DNDEBUG
-OPT_debug := -O0
+# Without optimisation gcc's vector gathers are macros, whose signs are not ours.
+OPT_debug := -O0 -Wno-sign-conversion
 # Instrumented code makes gcc warn of what is not there (its manual says so); the other builds carry the warnings.
 SANITIZERS := -w -fsanitize=address,undefined -fno-sanitize-recover=all -fno-omit-frame-pointer
 OPT_sanitize := -O1 $(SANITIZERS)
-OPT_coverage := -O0 --coverage
+OPT_coverage := $(OPT_debug) --coverage
 OPT_fuzz := -O1 $(SANITIZERS) -fsanitize=fuzzer-no-link
 ifeq ($(origin OPT_$(config)),undefined)
 $(error config=$(config): one of release debug sanitize coverage fuzz)

@@ -1,6 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
-# coverage.sh BUILD SOURCE...: lines of the sources that ran, by file where it is below 90 %, and by module.
+# coverage.sh BUILD SOURCE...: lines of the sources that ran, by file where it is below 90 %, and by module. Fails when
+# kernel/, bezier/ or spline/ is below 95 %.
 set -eu
 build=$1
 shift
@@ -13,4 +14,12 @@ done | awk '
       if ($2 < 90) printf "%6.1f %% of %5d  %s\n", $2, $3, $1 }
     END { for (m in lines) printf "%6.1f %% of %5d  %s/\n", 100 * covered[m] / lines[m], lines[m], m
           if (!all) { print "no coverage data"; exit 1 }
-          printf "%6.1f %% of %5d  in all\n", 100 * hit / all, all }'
+          printf "%6.1f %% of %5d  in all\n", 100 * hit / all, all
+          split("kernel bezier spline", floor, " ")
+          for (k in floor) {
+              m = floor[k]
+              if (lines[m] && 100 * covered[m] / lines[m] >= 95) continue
+              printf "%s/ is below 95 %%\n", m
+              bad = 1
+          }
+          exit bad }'

@@ -1,6 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
-# Shows that layers.sh, symbols.sh, api.sh and tests/run.sh can fail: plants one violation at a time in a temporary copy.
+# Shows that layers.sh, symbols.sh, api.sh, coverage.sh and tests/run.sh can fail: plants one violation at a time in a
+# temporary copy.
 set -eu
 tools=$(cd "$(dirname "$0")" && pwd)
 cc=${CC:-gcc}
@@ -108,6 +109,31 @@ api 'kn_a kn_b' 'kn_a kn_b' 'kn_a kn_b' 'kn_a kn_b' 'kn_a'
 test $status = 1 || wrong "api.sh accepts a table that lacks a function"
 api 'kn_a kn_b' 'kn_a kn_b' 'kn_a kn_b' 'kn_a kn_b' 'kn_a kn_b kn_c'
 test $status = 1 || wrong "api.sh accepts a table that promises too much"
+
+# cover KERNEL SPLINE: coverage.sh on three modules, of which kernel/ and spline/ run in full (1) or in part (0).
+cover()
+{
+    tests=$((tests + 1))
+    root=$temporary/coverage
+    rm -rf "$root"
+    for module in kernel bezier spline; do
+        mkdir -p "$root/$module" "$root/obj/$module"
+        printf 'int %s(int a);\nint %s(int a)\n{\n    if (a)\n        return 1;\n    return 0;\n}\n' $module $module \
+            >"$root/$module/x.c"
+        (cd "$root" && gcc --coverage -c -o "obj/$module/x.c.o" "$module/x.c")
+    done
+    printf 'int %s(int a);\n' kernel bezier spline >"$root/main.c"
+    echo "int main(void) { return kernel($1) + bezier(1) + bezier(0) + spline($2) + (kernel(0) + spline(0)) * 0 - 3; }" \
+        >>"$root/main.c"
+    (cd "$root" && gcc --coverage -o main main.c obj/*/x.c.o && ./main >/dev/null) || true
+    (cd "$root" && "$tools/coverage.sh" . kernel/x.c bezier/x.c spline/x.c >"$temporary/out") && status=0 || status=1
+}
+cover 1 1
+test $status = 0 || wrong "coverage.sh refuses what ran in full"
+cover 0 1
+test $status = 1 || wrong "coverage.sh accepts a kernel/ that ran in part"
+cover 1 0
+test $status = 1 || wrong "coverage.sh accepts a spline/ that ran in part"
 
 # program NAME BODY EXPECTED: tests/run.sh on a program of three tests, the last with BODY, counts EXPECTED.
 program()
