@@ -75,6 +75,27 @@ static void choose_cut(cut *best, int lanes, int rows, int columns, int wide)
     }
 }
 
+// Of `all` indices in groups of `size` the groups that a run of `pairs` indices meets, at most.
+static int groups(int all, int size, int pairs)
+{
+    int most = (all + size - 1) / size, met = (pairs + size - 2) / size + 1;
+    return met < most ? met : most;
+}
+
+// How many rounded additions a term meets: at most rows x columns in a block, one where even and odd columns are put
+// together, and one for each block of rows and of columns (or part) that gives to the same number, r and c pairs of
+// rows and columns being its terms. With the blocks of rows put together aside the last is a sum instead of a product.
+// M planes in a sum: for all degrees up to 56 and all machines 20 + M (r + c + 40) is enough, as kernel/convolve.h says
+// (tests/kernel/t_convolve.c counts).
+static bool puts_aside(const kn_convolution *p, int rows, int sum_rows)
+{
+    int n = p->nvars - 1, columns = p->thin[n] + 1, r = sum_rows + 1 - rows, c = p->wide[n] + 1;
+    if (rows < r) r = rows;
+    if (columns < c) c = columns;
+    int met = groups(rows, p->rows, r) * (groups(columns, p->columns, c) + p->parts - 1);
+    return sum_rows <= KN_ASIDE_ROWS && met > r + c + 40;
+}
+
 static size_t whole(size_t n)
 {
     return (n + 7) / 8 * 8;
@@ -97,6 +118,7 @@ void kn_convolution_init(kn_convolution *p, kn_convolve_level level, int nvars, 
     const int *thin = p->swapped ? db : da, *wide = p->swapped ? da : db;
     for (int d = 0; d < n; d++) p->thin[d] = thin[d], p->wide[d] = wide[d], p->sum[d] = thin[d] + wide[d];
     p->parts = c.parts, p->part = c.part, p->vectors = c.vectors, p->columns = c.columns, p->rows = c.rows;
+    p->aside = n > 1 && puts_aside(p, p->thin[n - 2] + 1, p->sum[n - 2] + 1);
     p->before = whole((size_t)c.columns - 1);
     p->padded = p->before + whole((size_t)(lanes * c.vectors));
     p->thin_room = whole((size_t)thin[n - 1] + 1);

@@ -13,13 +13,14 @@
 // coefficients (times their binomials) it is the product of the polynomials.
 // in:     sign 1 or -1; a and b may be the same, c is apart from both. work: kn_convolve_work numbers, 64-byte
 //         aligned, not cleared.
-// error:  T terms in a sum: gamma(T + 1) sum |a_i b_j| beside what c held; products and sums may be fused, in an
-//         order that depends on the machine and the degrees alone. Small integers are exact. Beside an infinity or a
-//         NaN more coefficients of c may become NaN than the definition asks for.
+// error:  T terms in a sum: gamma(L + 1) sum |a_i b_j| beside what c held, L = min(T, 20 + M (r + c + 40)), r and c the
+//         lesser of da[d] + 1 and db[d] + 1 in the last two variables (1 for none), M the product of the others, for
+//         da[d] + db[d] <= KN_MAX_DEGREE, else T; products and sums may be fused, in an order that depends on the machine and the degrees alone. Small integers are exact.
+//         Beside an infinity or a NaN more coefficients of c may become NaN than the definition asks for.
 void kn_convolve(double *c, int nvars, const double *a, const int *da, const double *b, const int *db, double sign,
                  double *work);
 size_t kn_convolve_work(int nvars, const int *da, const int *db);
-// The plain reference, one term after the other.
+// The plain reference, one term after the other: gamma(T + 1).
 void kn_convolve_plain(double *c, int nvars, const double *a, const int *da, const double *b, const int *db,
                        double sign);
 
@@ -51,6 +52,7 @@ typedef struct kn_convolution {
     int sum[KN_MAX_VARS];                     // and the product's
     int parts, part;                          // of a wide row, and numbers in one
     int vectors, columns, rows;               // of a block: vectors of sums, columns and rows of the thin operand
+    bool aside;                               // the sums of all blocks of rows are put together before they are added
     size_t before, padded;                    // zeros in front of a packed part, and its length with all zeros
     size_t thin_step[KN_MAX_VARS], wide_step[KN_MAX_VARS], sum_step[KN_MAX_VARS];
     size_t thin_room, wide_room, sum_room; // numbers

@@ -5,7 +5,7 @@
 
 #include "kernel/convolve.h"
 
-enum { KN_PLANE_VECTORS = 6, KN_PLANE_ROWS = 8 };
+enum { KN_PLANE_VECTORS = 6, KN_PLANE_ROWS = 8, KN_ASIDE_ROWS = KN_MAX_DEGREE + 1 };
 
 // Rows of a block that leave its sums, its vectors and a broadcast in the registers of the machine (16; AVX-512: 32).
 // 0: no such block.

@@ -28,7 +28,10 @@ typedef struct kn_bezier {
 // fails:  KN_ENOMEM; KN_EDOMAIN and KN_ELIMIT as said; always with a message in the context.
 // error:  gamma(n) = n u / (1 - n u), u = 2^-53; docs/numerics.md derives each bound. |a| is the piece whose
 //         coefficients are the absolute values of a's; B_i are the Bernstein polynomials at the point, non-negative
-//         in [0,1] (outside, read |t| for t and |1 - t| for 1 - t).
+//         in [0,1] (outside, read |t| for t and |1 - t| for 1 - t). L = min(T, 20 + M (r + c + 40)) are the roundings
+//         of a sum of T products of coefficients of two pieces, one term after the other or in blocks: r and c the
+//         lesser numbers of coefficients of the two along the last two variables (1 for none), M the product of those
+//         along the others and of the number of products of pieces that are summed.
 
 // ---- life ----
 // *out = a piece with these shapes and all coefficients zero. out is overwritten, not cleared: for a fresh variable.
@@ -107,7 +110,7 @@ KN_API int kn_derivative_index(int nvars, const int *a);
 //         in each variable and that weight. Otherwise (a wb + b wa) / (wa wb): the degrees add up.
 // error:  polynomial or equal weights: gamma(1 + e_a)|a|_k + gamma(1 + e_b)|b|_k, e_a and e_b the roundings
 //         of kn_bezier_elevate. Otherwise
-//         gamma(T + 3 nvars)(|a| * |wb| + |b| * |wa|)_k, T terms in the sum.
+//         gamma(L + 3 nvars)(|a| * |wb| + |b| * |wa|)_k, T terms in the sum.
 // cost:   the elevation, or two products a component.
 KN_API KN_CHECKED kn_status kn_bezier_sum(kn_ctx *ctx, kn_bezier *out, const kn_bezier *a, const kn_bezier *b);
 KN_API KN_CHECKED kn_status kn_bezier_difference(kn_ctx *ctx, kn_bezier *out, const kn_bezier *a, const kn_bezier *b);
@@ -116,9 +119,9 @@ KN_API KN_CHECKED kn_status kn_bezier_scale(kn_ctx *ctx, kn_bezier *out, const k
 // out = a * b, component by component; an operand of dimension 1 multiplies every component. Weights multiply.
 // out:    out.degree[d] = a.degree[d] + b.degree[d].
 // fails:  KN_EDOMAIN dimensions differ and neither is 1.
-// error:  |c_k - exact| <= gamma(T + 3 nvars)(|a| * |b|)_k, T terms in the sum for c_k. Small integers: all is exact
-//         but the last quotient, which is rounded to nearest. An infinity or a NaN may make more coefficients NaN than
-//         the definition asks for.
+// error:  |c_k - exact| <= gamma(L + 3 nvars)(|a| * |b|)_k, T terms in the sum for c_k. Small integers: all is exact
+//         but the last quotient, which is rounded to nearest. An infinity or a NaN may make more coefficients NaN
+//         than the definition asks for.
 // cost:   count(a) count(b) multiply-adds a component, in the machine's vectors, fused where it has that: the last
 //         bits depend on the kind of machine. Scratch: operands and result, rows filled up to whole vectors; no
 //         allocation when out has the result's number of coefficients. Sum, dot, cross and determinant alike.
@@ -133,19 +136,20 @@ KN_API KN_CHECKED kn_status kn_bezier_cross(kn_ctx *ctx, kn_bezier *out, const k
 // out:    polynomial: one degree less in var (0 stays 0). rational (N/w)' = (N' w - w' N) / w^2: degrees double;
 //         with degree 0 in var they stay, and the value is 0/w.
 // fails:  KN_EDOMAIN var; KN_ELIMIT doubled degrees.
-// error:  polynomial: gamma(2)|c_k|. rational: gamma(T + 3 nvars + 3)(|N'| * |w| + |w'| * |N|)_k, N' and w' raised to
+// error:  polynomial: gamma(2)|c_k|. rational: gamma(L + 3 nvars + 3)(|N'| * |w| + |w'| * |N|)_k, N' and w' raised to
 //         a's degrees, |N'| with the absolute values of its differences; T = 2 prod_d (degree[d] + 1) at most.
 KN_API KN_CHECKED kn_status kn_bezier_derivative(kn_ctx *ctx, kn_bezier *out, const kn_bezier *a, int var);
 // out = det(a, b, c) = a . (b x c), of dimension 1; weights multiply.
 // out:    out.degree[d] = a.degree[d] + b.degree[d] + c.degree[d].
 // fails:  KN_EDOMAIN an operand is not of dimension 3, or the variables differ; KN_ELIMIT.
-// error:  gamma(T + T' + 4 nvars) times the sum of the six |a_i| * |b_j| * |c_k|: T' terms in the sums for b x c, T in
-//         those for the product with a. Nothing is divided between: integers as for kn_bezier_product.
+// error:  gamma(L + L' + 4 nvars) times the sum of the six |a_i| * |b_j| * |c_k|: L' for the sums in b x c, L for
+//         those in the product with a. Nothing is divided between: integers as for kn_bezier_product.
 // cost:   that of kn_bezier_cross(b, c) and kn_bezier_dot.
 KN_API KN_CHECKED kn_status kn_bezier_determinant(kn_ctx *ctx, kn_bezier *out, const kn_bezier *a, const kn_bezier *b,
                                                   const kn_bezier *c);
 // out_r = sum_c matrix[r * dim(a) + c] a_c + offset[r] for r < dim; offset NULL: zeros. The weight stays.
-// out:    dimension dim. An entry that is 0 takes no part, whatever it meets, and 1 alone in a row copies bit for bit.
+// out:    dimension dim. An entry that is 0 takes no part, whatever it meets, and 1 alone in a row copies bit
+//         for bit.
 // fails:  KN_EDOMAIN dim < 1; KN_ELIMIT more than KN_MAX_COMPS components.
 // error:  gamma(dim(a) + 1)(sum_c |matrix_rc| |a_c| + |offset_r| |w|)_k.
 // cost:   count * dim * dim(a) multiply-adds at most.
@@ -164,13 +168,13 @@ KN_API KN_CHECKED kn_status kn_bezier_integral(kn_ctx *ctx, double *out, const k
 // All first partials in one piece: component c * nvars + d is the derivative of a_c in variable d.
 // out:    polynomial: a's degrees. rational: over the square of the weight, degrees double.
 // fails:  KN_EDOMAIN nvars 0; KN_ELIMIT dim * nvars components (and a weight) pass KN_MAX_COMPS, or doubled degrees.
-// error:  polynomial: gamma(3)(k |p_k - p_(k-1)| + (n-k) |p_(k+1) - p_k|) along variable d, n its degree: no division,
-//         exact for integers. rational: as kn_bezier_derivative.
+// error:  polynomial: gamma(3)(k |p_k - p_(k-1)| + (n-k) |p_(k+1) - p_k|) along variable d, n its degree: no
+//         division, exact for integers. rational: as kn_bezier_derivative.
 KN_API KN_CHECKED kn_status kn_bezier_gradient(kn_ctx *ctx, kn_bezier *out, const kn_bezier *a);
 // out = sum_d of the derivative of a_d in variable d, of dimension 1. Degrees as kn_bezier_gradient.
 // fails:  KN_EDOMAIN dim is not nvars; KN_ELIMIT doubled degrees.
-// error:  polynomial: gamma(nvars + 2) times the sum of those of the gradient. rational, D the absolute values of
-//         the numerator's differences, raised to a's degrees: gamma(T + 4 nvars + 2)(sum_d D_d * |w| + |N_d| * |D_w|)_k,
+// error:  polynomial: gamma(nvars + 2) times the sum of those of the gradient. rational, D the absolute values of the
+//         numerator's differences, raised to a's degrees: gamma(L + 4 nvars + 2)(sum_d D_d * |w| + |N_d| * |D_w|)_k,
 //         T = (nvars + 1) prod_d (degree[d] + 1) at most.
 KN_API KN_CHECKED kn_status kn_bezier_divergence(kn_ctx *ctx, kn_bezier *out, const kn_bezier *a);
 // Components first .. first+count-1 as a polynomial piece (of a rational piece: homogeneous components), exactly.
@@ -194,12 +198,12 @@ KN_API KN_CHECKED kn_status kn_bezier_elevate(kn_ctx *ctx, kn_bezier *out, const
 KN_API KN_CHECKED kn_status kn_bezier_least_degree(kn_ctx *ctx, int *degree, const kn_bezier *a, double tolerance);
 // out = a with lower degrees.
 // in:     0 <= degree[d] <= a's.
-// out:    lines of coefficients that are of the lower degree, but for rounding, are taken back: an elevation is undone,
-//         bit for bit when it was exact. Others become the nearest in the sense of least squares of coefficients, with
-//         both ends kept bit for bit (in a variable that keeps a degree >= 1): faces depend on faces, and neighbours
-//         still meet. *error >= |out - a| (Euclidean norm of values) over [0,1]^nvars, rounding included; 0 only when
-//         out is a exactly; INFINITY when a coefficient is not finite, or a weight of a or out not positive. NULL: not
-//         wanted.
+// out:    lines of coefficients that are of the lower degree, but for rounding, are taken back: an elevation is
+//         undone, bit for bit when it was exact. Others become the nearest in the sense of least squares of
+//         coefficients, with both ends kept bit for bit (in a variable that keeps a degree >= 1): faces depend on
+//         faces, and neighbours still meet. *error >= |out - a| (Euclidean norm of values) over [0,1]^nvars, rounding
+//         included; 0 only when out is a exactly; INFINITY when a coefficient is not finite, or a weight of a or out
+//         not positive. NULL: not wanted.
 // fails:  KN_EDOMAIN degree.
 // error:  *error: at most 1.25 times the largest distance, where halving the difference some hundred times shows
 //         that, and rounding; with weights also (max |out - center| max |dw|) / min w.
@@ -230,8 +234,9 @@ KN_API KN_CHECKED kn_status kn_bezier_restrict(kn_ctx *ctx, kn_bezier *out, cons
 // ---- bounds: rounding included, so that what they exclude is excluded ----
 // A box that contains a over [lo,hi] (both NULL: [0,1]^nvars): that of the coefficients there, dim numbers each.
 // in:     nvars finite numbers lo <= hi each, also beyond [0,1].
-// out:    over [0,1]^nvars the tightest doubles around the (projected) coefficients; elsewhere widened by the error of
-//         the restriction, with the sizes of the absolute values there. [-infinity, infinity] where a number is a NaN.
+// out:    over [0,1]^nvars the tightest doubles around the (projected) coefficients; elsewhere widened by the error
+//         of the restriction, with the sizes of the absolute values there. [-infinity, infinity] where a number is
+//         a NaN.
 // fails:  KN_EDOMAIN the box, or a weight whose coefficients there, less their error, are not all positive.
 // cost:   twice kn_bezier_restrict; none of it over [0,1]^nvars.
 KN_API KN_CHECKED kn_status kn_bezier_box(kn_ctx *ctx, double *box_lo, double *box_hi, const kn_bezier *a,
@@ -240,8 +245,8 @@ KN_API KN_CHECKED kn_status kn_bezier_box(kn_ctx *ctx, double *box_lo, double *b
 typedef struct kn_oriented_box {
     double center[3], axis[3][3], half[3];
 } kn_oriented_box;
-// A small oriented box that contains a (dimension 2 or 3) over [0,1]^nvars: the smallest surface among boxes along the
-// axes of coordinates, the principal axes of the control points, and chords across the piece.
+// A small oriented box that contains a (dimension 2 or 3) over [0,1]^nvars: the smallest surface among boxes along
+// the axes of coordinates, the principal axes of the control points, and chords across the piece.
 // out:    every point of a is center + sum_i s_i axis[i] with |s_i| <= half[i], for the axes as stored, which are
 //         orthonormal but for about 1e-15. Dimension 2: axis[2] = (0,0,1), half[2] = 0. Where a control point is not
 //         finite, half is infinite.
@@ -249,9 +254,9 @@ typedef struct kn_oriented_box {
 // cost:   about 60 dim operations a control point.
 // source: Gottschalk, Lin & Manocha, OBBTree, SIGGRAPH 1996 (principal axes).
 KN_API KN_CHECKED kn_status kn_bezier_oriented_box(kn_ctx *ctx, kn_oriented_box *out, const kn_bezier *a);
-// out[d] >= |derivative of a in variable d| (Euclidean norm) over [0,1]^nvars: nvars numbers, from the coefficients of
-// the derivative; of a rational piece those of N' w - w' N over those of w^2. Translations of a change nothing but
-// rounding.
+// out[d] >= |derivative of a in variable d| (Euclidean norm) over [0,1]^nvars: nvars numbers, from the coefficients
+// of the derivative; of a rational piece those of N' w - w' N over those of w^2. Translations of a change nothing
+// but rounding.
 // out:    INFINITY where numbers overflow.
 // fails:  rational: KN_EDOMAIN a weight that is not positive; KN_ELIMIT degrees whose doubles pass KN_MAX_DEGREE.
 // cost:   as the derivatives; rational twice that.

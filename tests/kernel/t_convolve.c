@@ -79,7 +79,27 @@ static void check_integers(test_rng *rng, int nvars, const int *da, const int *d
     clear(&x);
 }
 
-// Both ways of summing T terms are within gamma(T + 1) of the exact sum, |a| * |b| in size.
+static int lesser(int a, int b)
+{
+    return a < b ? a : b;
+}
+
+// The roundings L that kernel/convolve.h states.
+static int stated(int nvars, const int *da, const int *db)
+{
+    int terms = 1, planes = 1, plane = 2;
+    for (int d = 0; d < nvars; d++) {
+        int pairs = lesser(da[d], db[d]) + 1;
+        terms *= pairs;
+        if (d < nvars - 2)
+            planes *= pairs;
+        else
+            plane += pairs - 1;
+    }
+    return lesser(terms, 20 + planes * (plane + 40));
+}
+
+// Both ways of summing T terms are within gamma(T + 1) and gamma(L + 1) of the exact sum, |a| * |b| in size.
 static void check_bound(test_rng *rng, int nvars, const int *da, const int *db)
 {
     arrays x;
@@ -94,13 +114,48 @@ static void check_bound(test_rng *rng, int nvars, const int *da, const int *db)
     for (size_t i = 0; i < x.nb; i++) x.b[i] *= test_int(rng, 0, 1) ? 1.0 : -1.0;
     memset(x.expected, 0, x.nc * sizeof *x.expected);
     kn_convolve_plain(x.expected, nvars, x.a, da, x.b, db, 1.0);
-    double factor = 2.0 * (terms + 2) * (DBL_EPSILON / 2); // two such bounds; gamma(T + 1) <= (T + 2) u, the size too
+    double factor = (terms + 2 + stated(nvars, da, db) + 2) *
+                    (DBL_EPSILON / 2); // gamma(n + 1) <= (n + 2) u, the size too
     for (kn_convolve_level l = KN_CONVOLVE_SSE2; l <= kn_convolve_best(); l++) {
         memset(x.c, 0, x.nc * sizeof *x.c);
         kn_convolve_as(l, x.c, nvars, x.a, da, x.b, db, 1.0, x.work);
         for (size_t i = 0; i < x.nc; i++) assert_true(fabs(x.c[i] - x.expected[i]) <= factor * x.size[i]);
     }
     clear(&x);
+}
+
+static int groups_met(int all, int size, int pairs)
+{
+    return lesser((all + size - 1) / size, (pairs + size - 2) / size + 1);
+}
+
+// The most roundings a term meets in the blocks that were chosen, for `planes` pairs of planes.
+static int counted(const kn_convolution *p, int planes)
+{
+    int rows = p->thin[0] + 1, columns = p->thin[1] + 1, r = lesser(rows, p->wide[0] + 1);
+    int c = lesser(columns, p->wide[1] + 1), down = groups_met(rows, p->rows, r);
+    int across = planes * (groups_met(columns, p->columns, c) + p->parts - 1);
+    int block = lesser(lesser(p->rows, rows) * lesser(p->columns, columns), r * c) + 1;
+    return lesser(planes * r * c, block + (p->aside ? down + across : down * across));
+}
+
+static void roundings_as_stated(void **state)
+{
+    (void)state;
+    test_rng rng = test_random(5);
+    for (int level = KN_CONVOLVE_SSE2; level < KN_CONVOLVE_LEVELS; level++) // no machine is needed to count
+        for (int round = test_scale(20000); round > 0; round--) {
+            int da[4], db[4];
+            for (int d = 0; d < 4; d++) {
+                da[d] = test_int(&rng, 0, d < 2 ? 6 : KN_MAX_DEGREE);
+                db[d] = test_int(&rng, 0, d < 2 ? 6 : KN_MAX_DEGREE - da[d]);
+            }
+            kn_convolution p;
+            kn_convolution_init(&p, (kn_convolve_level)level, 2, da + 2, db + 2);
+            int first = round % 3, planes = 1; // 4, 3 or 2 variables
+            for (int d = first; d < 2; d++) planes *= lesser(da[d], db[d]) + 1;
+            assert_true(counted(&p, planes) <= stated(4 - first, da + first, db + first));
+        }
 }
 
 static void all_small_shapes(void **state)
@@ -252,9 +307,10 @@ static void names(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(all_small_shapes),   cmocka_unit_test(more_variables_and_large_ones),
-        cmocka_unit_test(table_of_binomials), cmocka_unit_test(divisions),
-        cmocka_unit_test(scaled_products),    cmocka_unit_test(names),
+        cmocka_unit_test(all_small_shapes),    cmocka_unit_test(more_variables_and_large_ones),
+        cmocka_unit_test(table_of_binomials),  cmocka_unit_test(divisions),
+        cmocka_unit_test(scaled_products),     cmocka_unit_test(names),
+        cmocka_unit_test(roundings_as_stated),
     };
     return cmocka_run_group_tests_name("kernel/convolve", tests, NULL, NULL);
 }

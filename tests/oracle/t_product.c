@@ -76,7 +76,8 @@ static void products(void **state)
                 judge_weight(&judge, &p);
                 pair_free(ctx, &p);
             }
-        exact_judge_end(&judge, s->nvars == 2 && s->m[0] > 20 ? 0.0 : 100.0); // T = 676: its root is what errors show
+        // Signs differ: errors are about u / 2 at any degree, and (25,25) + (31,31) has up to 118 roundings in a row.
+        exact_judge_end(&judge, s->nvars == 2 && s->m[0] > 20 ? 300.0 : 100.0);
     }
     test_ctx_end(ctx, &memory);
 }

@@ -44,13 +44,22 @@ static int pairs(const int *k, int nvars, const int *m, const int *n)
     return all;
 }
 
+// L = min(T, 20 + M (r + c + 40)).
+static int sum_roundings(int nvars, const int *m, const int *n, int per, int terms)
+{
+    int r = nvars > 1 ? least(m[nvars - 2], n[nvars - 2]) + 1 : 1,
+        c = nvars > 0 ? least(m[nvars - 1], n[nvars - 1]) + 1 : 1;
+    for (int d = 0; d < nvars - 2; d++) per *= least(m[d], n[d]) + 1;
+    return least(terms, 20 + per * (r + c + 40));
+}
+
 static int *count_roundings(const kn_bezier *c, const int *m, const int *n, int per, int more)
 {
     size_t count = kn_bezier_count(c);
     int *roundings = malloc(count * sizeof *roundings), k[KN_MAX_VARS] = {0};
     assert_non_null(roundings);
     for (size_t i = 0; i < count; i++) {
-        roundings[i] = per * pairs(k, c->nvars, m, n) + more;
+        roundings[i] = sum_roundings(c->nvars, m, n, per, per * pairs(k, c->nvars, m, n)) + more;
         for (int d = c->nvars - 1; d >= 0 && ++k[d] > c->degree[d]; d--) k[d] = 0;
     }
     return roundings;

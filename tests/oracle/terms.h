@@ -20,8 +20,8 @@ exact_factor exact_factor_of(const kn_bezier *b, int comp);
 exact_factor exact_factor_derivative(const kn_bezier *b, int comp, int var);
 void exact_factor_free(exact_factor *f);
 
-// Judges component comp of c: the sum of the terms, against gamma(n_k) times the sum of their sizes. per: terms of
-// one product of degrees m and n in the sum for coefficient k times `per`, to which `more` is added, make n_k.
+// Judges component comp of c: the sum of the terms, against gamma(n_k) times the sum of their sizes. per: the
+// number of products of pieces of degrees m and n; the roundings L of bezier.h and `more` make n_k.
 void exact_judge_terms(exact_judge_t *judge, const kn_bezier *c, int comp, const exact_term *terms, int nterms,
                        const int *m, const int *n, int per, int more);
 
