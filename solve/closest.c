@@ -262,6 +262,7 @@ static int by_distance(const void *a, const void *b)
 static kn_status answer(kn_ctx *ctx, hunt *h, const kn_spline *s, kn_closest **closest, size_t *count)
 {
     size_t n = 0;
+    if (h->nlist == 0) return kn_fail(ctx, KN_EUNDECIDED, "closest: weights underflow");
     qsort(h->list, h->nlist, sizeof *h->list, by_distance);
     for (size_t i = 0; i < h->nlist && h->list[i].distance <= h->best + 2.0 * h->gap; i++) {
         bool known = false;
@@ -297,7 +298,7 @@ static kn_status move(kn_ctx *ctx, hunt *h, kn_spline *moved, const kn_spline *s
     size_t n = kn_spline_count(s);
     int dim = kn_spline_dim(s);
     const double *w = s->rational ? s->coef + (size_t)dim * n : NULL;
-    double scale = 0.0;
+    double scale = 0.0, largest = 0.0;
     *moved = *s;
     moved->coef = kn_scratch(ctx, (size_t)s->ncomp * n, sizeof *moved->coef);
     h->moved_error = kn_scratch(ctx, (size_t)s->ncomp, sizeof *h->moved_error);
@@ -310,8 +311,11 @@ static kn_status move(kn_ctx *ctx, hunt *h, kn_spline *moved, const kn_spline *s
             double error = c < dim ? kn_rounding(1.0) * (fabs(p - shift) + (w ? fabs(shift) : 0.0)) : 0.0;
             h->moved_error[c] = fmax(h->moved_error[c], error);
             if (c < dim) scale = fmax(scale, fabs(p - shift) / wi);
+            largest = fmax(largest, fmax(fabs(p - shift), w ? wi : 0.0));
         }
     }
+    largest = fmax(largest, scale);
+    if (!isfinite(8.0 * dim * largest * largest)) return kn_fail(ctx, KN_EUNDECIDED, "closest: squares overflow");
     h->gap = h->options.residual * scale;
     h->s = moved;
     return KN_OK;

@@ -155,7 +155,8 @@ typedef struct kn_closest {
 //         continuum of them (the axis of a cylinder) by some of its points. No point of s is nearer than *lower,
 //         which is certified; (*closest)[0].distance - *lower <= r, unless report->limited. lower, report may be
 //         NULL.
-// fails:  KN_EDOMAIN, KN_ELIMIT (twice a degree passes KN_MAX_DEGREE), KN_ENOMEM, KN_ECANCELLED.
+// fails:  KN_EDOMAIN, KN_ELIMIT (twice a degree passes KN_MAX_DEGREE), KN_ENOMEM, KN_ECANCELLED; KN_EUNDECIDED where
+//         squares of distances overflow, or weights underflow.
 // error:  of a distance: that of the value at `at`; *lower has the rounding taken off.
 // cost:   branch and bound on |s - point|^2 in Bernstein form; boxes near a regular minimum end at once, by
 //         curvature.

@@ -241,6 +241,12 @@ static void failures(void **state)
     assert_int_equal(kn_solve_closest(ctx, &best, &n, &lower, NULL, &s, q, NULL), KN_EDOMAIN);
     q[0] = 0.0;
     assert_int_equal(kn_solve_closest(ctx, &best, &n, &lower, NULL, &s, q, &bad), KN_EDOMAIN);
+    for (int k = 0; k < 3; k++) { // squares overflow: of a point, a control point, the span between them
+        q[0] = k == 1 ? 0.0 : 0x1p511, c[0] = k == 0 ? 0.0 : -0x1p511;
+        assert_int_equal(kn_solve_closest(ctx, &best, &n, &lower, NULL, &s, q, NULL), KN_EUNDECIDED);
+    }
+    q[0] = 0x1p1023, c[0] = -0x1p1023;
+    assert_int_equal(kn_solve_closest(ctx, &best, &n, &lower, NULL, &s, q, NULL), KN_EUNDECIDED);
     assert_true(best == &mine && n == 3 && lower == 7.0);
     test_ctx_end(ctx, &memory);
 }
