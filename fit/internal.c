@@ -75,12 +75,6 @@ kn_status kn_fit_suits(kn_ctx *ctx, const char *call, const kn_fit_axis *axis, i
     return KN_OK;
 }
 
-int kn_fit_by_value(const void *a, const void *b)
-{
-    double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
 kn_status kn_fit_basis(kn_ctx *ctx, kn_band *band, const kn_fit_axis *axis, const int *span)
 {
     kn_status status = kn_spline_band(ctx, band, axis->nsites, axis->degree + 1);

@@ -32,8 +32,6 @@ kn_status kn_fit_spans(kn_ctx *ctx, const char *call, int *span, const kn_fit_ax
 // KN_OK when some increasing choice of sites suits the B-splines first .. end - 1 (Schoenberg and Whitney); else
 // KN_EUNDEFINED. sites do not decrease; equal ones count once.
 kn_status kn_fit_suits(kn_ctx *ctx, const char *call, const kn_fit_axis *axis, int first, int end);
-// For qsort: two doubles.
-int kn_fit_by_value(const void *a, const void *b);
 // The values of the B-splines at the sites as a band in scratch: nsites rows, width degree + 1.
 kn_status kn_fit_basis(kn_ctx *ctx, kn_band *band, const kn_fit_axis *axis, const int *span);
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Least squares on a grid: with A = A_0 x A_1 x .. and the given control points c' in their places, the free ones are
-// A_free^+ (f - A c'), and the pseudoinverse of a tensor product is that of its factors: one banded system a
-// variable.
+// Least squares on a grid: with A = A_0 x A_1 x .. and the given control points c' in their places, the free
+// ones are A_free^+ (f - A c'), and the pseudoinverse of a tensor product is that of its factors: one banded
+// system a variable.
 #include <math.h>
 
 #include "fit/internal.h"
@@ -82,14 +82,15 @@ static double *at_sites(const problem *w, const double *coef, const int *count)
 static void free_rows(double *rows, int *first, const problem *w, int d, int width)
 {
     const kn_band *basis = &w->basis[d];
-    for (int i = 0; i < basis->rows; i++) {
+    const double *values = basis->w;
+    for (int i = 0; i < basis->rows; i++, rows += width, values += basis->width) {
         int at = basis->first[i] - w->first[d], start = at < 0 ? 0 : at;
         if (start > w->nfree[d] - 1) start = w->nfree[d] - 1;
         first[i] = start;
         for (int k = 0; k < width; k++) {
             int from = start + k - at;
             bool inside = from >= 0 && from < basis->width && start + k < w->nfree[d];
-            rows[i * width + k] = inside ? basis->w[i * basis->width + from] : 0.0;
+            rows[k] = inside ? values[from] : 0.0;
         }
     }
 }
@@ -97,25 +98,28 @@ static void free_rows(double *rows, int *first, const problem *w, int d, int wid
 static kn_status solve_axis(kn_ctx *ctx, const problem *w, int d, double *x, double *data, size_t outer, size_t inner)
 {
     int m = w->axis[d].nsites, n = w->nfree[d], width = w->basis[d].width;
-    size_t rows = (size_t)m * (size_t)width;
+    size_t step = (size_t)width, rows = (size_t)m * step;
     kn_mark mark = kn_scratch_mark(ctx);
     double *a = kn_scratch(ctx, rows, sizeof *a), *turn = kn_scratch(ctx, 2 * rows, sizeof *turn);
-    double *r = kn_scratch(ctx, (size_t)n * (size_t)width, sizeof *r);
+    double *r = kn_scratch(ctx, (size_t)n * step, sizeof *r);
     int *first = kn_scratch(ctx, (size_t)m, sizeof *first);
     kn_status status = a && turn && r && first ? KN_OK : KN_ENOMEM;
     if (status == KN_OK) {
-        for (size_t i = 0; i < (size_t)n * (size_t)width; i++) r[i] = 0.0;
+        for (size_t i = 0; i < (size_t)n * step; i++) r[i] = 0.0;
         free_rows(a, first, w, d, width);
-        for (int i = 0; i < m; i++) kn_banded_turn_row(r, n, width, a + i * width, first[i], turn + 2 * i * width);
-        for (int i = 0; i < n && status == KN_OK; i++)
-            if (!(r[i * width] != 0.0 && isfinite(r[i * width])))
+        for (size_t i = 0; i < (size_t)m; i++)
+            kn_banded_turn_row(r, n, width, a + i * step, first[i], turn + 2 * i * step);
+        for (int i = 0; i < n && status == KN_OK; i++) {
+            double pivot = r[(size_t)i * step];
+            if (!(pivot != 0.0 && isfinite(pivot)))
                 status = kn_fail(ctx, KN_EUNDECIDED, "%s: variable %d: values of B-spline %d underflow", call, d,
                                  w->first[d] + i);
+        }
     }
     for (size_t o = 0; o < outer && status == KN_OK; o++, x += (size_t)n * inner, data += (size_t)m * inner) {
         for (size_t i = 0; i < (size_t)n * inner; i++) x[i] = 0.0;
-        for (int i = 0; i < m; i++)
-            kn_banded_turn_data(x, n, width, data + (size_t)i * inner, first[i], turn + 2 * i * width, inner);
+        for (size_t i = 0; i < (size_t)m; i++)
+            kn_banded_turn_data(x, n, width, data + i * inner, first[i], turn + 2 * i * step, inner);
         kn_banded_back(r, n, width, x, inner);
     }
     kn_scratch_release(ctx, mark);

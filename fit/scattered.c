@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Least squares of scattered data: one banded system, whose rows are the points, sorted by their first free control
-// point.
+// Least squares of scattered data: one banded system, whose rows are the points, sorted by their first free
+// control point.
 #include <math.h>
 #include <stdlib.h>
 
@@ -178,7 +178,7 @@ static kn_status check_curve(kn_ctx *ctx, const problem *w)
     double *sites = kn_scratch(ctx, w->npoints, sizeof *sites);
     if (!sites) return KN_ENOMEM;
     for (size_t i = 0; i < w->npoints; i++) sites[i] = w->at[i];
-    qsort(sites, w->npoints, sizeof *sites, kn_fit_by_value);
+    qsort(sites, w->npoints, sizeof *sites, kn_knots_by_value);
     axis.sites = sites;
     return kn_fit_suits(ctx, call, &axis, w->first[0], w->first[0] + w->nfree[0]);
 }

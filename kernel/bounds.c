@@ -162,7 +162,7 @@ double kn_row_growth(const double *matrix, int rows, int columns)
     double most = 0.0;
     for (int i = 0; i < rows; i++) {
         double sum = 0.0;
-        for (int j = 0; j < columns; j++) sum += fabs(matrix[i * columns + j]);
+        for (int j = 0; j < columns; j++) sum += fabs(matrix[(size_t)i * (size_t)columns + (size_t)j]);
         most = sum > most ? sum : most;
     }
     return most;

@@ -61,6 +61,12 @@ int kn_knots_breaks(double *breaks, int *times, const double *knots, int degree,
     return n;
 }
 
+int kn_knots_by_value(const void *a, const void *b)
+{
+    double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
 int kn_knots_union(double *out, const double *a, int na, const double *b, int nb)
 {
     int n = 0;

@@ -19,6 +19,8 @@ int kn_knots_spans(const double *knots, int degree, int count);
 int kn_knots_breaks(double *breaks, int *times, const double *knots, int degree, int count);
 // Equal knots of two increasing lists a and b (bit for bit) become one. Returns how many; out NULL only counts.
 int kn_knots_union(double *out, const double *a, int na, const double *b, int nb);
+// For qsort: two doubles.
+int kn_knots_by_value(const void *a, const void *b);
 // Writes breaks[i] times[i] times. Returns how many knots were written; out NULL only counts.
 int kn_knots_repeat(double *out, const double *breaks, const int *times, int nbreaks);
 
@@ -29,9 +31,9 @@ void kn_knots_blossom(double *w, const double *knots, int degree, int s, const d
 // polynomials of span s.
 void kn_knots_basis(double *values, const double *knots, int degree, int s, double t, int order);
 
-// A banded map along one axis: out[i] = sum_k w[i * width + k] in[first[i] + k]. terms[i], when there is such an array,
-// is how many of row i's weights count (else all width of them). divisor, when it is not 0, divides the sums of more
-// than one (non-zero) term: weights that are integers over a common denominator stay exact.
+// A banded map along one axis: out[i] = sum_k w[i * width + k] in[first[i] + k]. terms[i], when there is such an
+// array, is how many of row i's weights count (else all width of them). divisor, when it is not 0, divides the sums
+// of more than one (non-zero) term: weights that are integers over a common denominator stay exact.
 typedef struct kn_band {
     int rows, width;
     int *first, *terms;

@@ -16,8 +16,8 @@ static kn_status check_box(kn_ctx *ctx, const kn_spline *s, const double *lo, co
     return status;
 }
 
-// The knots of the restriction, rows + degree + 1 of them. Where it ends in a jump the value there is that of the piece
-// to the right: one coefficient more. A single point: one coefficient.
+// The knots of the restriction, rows + degree + 1 of them. Where it ends in a jump the value there is that of the
+// piece to the right: one coefficient more. A single point: one coefficient.
 static int restricted_knots(double *to, const kn_spline *s, int var, double lo, double hi)
 {
     int p = s->degree[var], n = 0, jump = 0;
@@ -60,7 +60,7 @@ static kn_status restrict_variable(kn_ctx *ctx, restriction *r, kn_spline *shape
     for (int size = 0; size < 2; size++) {
         for (int j = 0; j < band.rows && (size == 0 || lo < knots[0] || hi > knots[count]); j++) {
             int s = kn_knots_span(knots, p, count, to[j]);
-            double *row = band.w + j * (p + 1);
+            double *row = band.w + (size_t)j * (size_t)(p + 1);
             band.first[j] = s - p;
             if (size == 0)
                 kn_knots_blossom(row, knots, p, s, to + j + 1);

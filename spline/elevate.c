@@ -14,7 +14,12 @@ kn_status kn_spline_elevate(kn_ctx *ctx, kn_spline *out, const kn_spline *a, con
         if (degree[d] > KN_MAX_DEGREE)
             return kn_fail(ctx, KN_ELIMIT, "spline_elevate: degree %d in variable %d", degree[d], d);
     }
-    kn_spline s = *a;
+    kn_spline s = *a; // its shape at first, the result's
+    for (int d = 0; d < a->nvars; d++)
+        s.count[d] = kn_spline_elevated_count(a, d, degree[d]), s.degree[d] = degree[d];
+    status = kn_spline_shape(ctx, "spline_elevate", s.nvars, s.ncomp, s.rational, s.degree, s.count);
+    if (status != KN_OK) return status;
+    s = *a;
     kn_mark mark = kn_scratch_mark(ctx);
     for (int d = a->nvars - 1; d >= 0 && status == KN_OK; d--)
         status = kn_spline_elevate_in_scratch(ctx, &s, d, degree[d]);

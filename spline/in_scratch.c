@@ -23,6 +23,7 @@ static int raise_knots(double *to, const double *knots, int nknots)
 static void compose(kn_band *both, const kn_band *then, const kn_band *now, int width)
 {
     double sum[2 * KN_MAX_DEGREE + 3];
+    both->rows = then->rows, both->width = width;
     both->divisor = (then->divisor != 0.0 ? then->divisor : 1.0) * (now->divisor != 0.0 ? now->divisor : 1.0);
     for (int i = 0; i < then->rows; i++) {
         const double *w = then->w + (size_t)i * (size_t)then->width;
@@ -45,29 +46,37 @@ static void compose(kn_band *both, const kn_band *then, const kn_band *now, int 
     }
 }
 
+// Two lists of knots and two bands take turns.
 kn_status kn_spline_elevation_band(kn_ctx *ctx, kn_band *band, double **to, double *knots, int p, int count,
                                    int degree)
 {
-    int n = count + p + 1, spans = kn_knots_spans(knots, p, count);
-    for (int q = p; q < degree; q++) {
-        kn_band step, both;
-        if (n > INT_MAX - spans - 1) return kn_fail(ctx, KN_ELIMIT, "spline: too many knots");
-        *to = kn_scratch(ctx, (size_t)n + (size_t)spans + 1, sizeof **to);
-        if (!*to) return KN_ENOMEM;
-        n = raise_knots(*to, knots, n);
-        kn_status status = kn_spline_refining_band(ctx, &step, n - q - 2, q + 1);
-        if (status != KN_OK) return status;
-        kn_band_elevate(&step, knots, q, count, *to);
-        knots = *to, count = step.rows;
-        if (q > p) {
-            status = kn_spline_refining_band(ctx, &both, step.rows, p + 1);
-            if (status != KN_OK) return status;
-            compose(&both, &step, band, p + 1);
-            step = both;
-        }
-        *band = step;
+    double *list[2];
+    kn_band step = {0}, both[2];
+    int n = count + p + 1, rise = degree - p, breaks = kn_knots_spans(knots, p, count) + 1;
+    if (breaks > (INT_MAX - n) / rise) return kn_fail(ctx, KN_ELIMIT, "spline: too many knots");
+    int nknots = n + rise * breaks, rows = nknots - degree - 1;
+    kn_status status = rise > 1 ? kn_spline_refining_band(ctx, &step, rows, degree) : KN_OK;
+    for (int i = 0; i < 2 && i < rise && status == KN_OK; i++) {
+        status = kn_spline_refining_band(ctx, &both[i], rows, p + 1);
+        list[i] = kn_scratch(ctx, (size_t)nknots, sizeof *list[i]);
+        if (!list[i]) status = KN_ENOMEM;
     }
-    return KN_OK;
+    for (int q = p; q < degree && status == KN_OK; q++) {
+        int turn = (q - p) % 2;
+        kn_band *once = q == p ? &both[0] : &step;
+        n = raise_knots(list[turn], knots, n);
+        once->rows = n - q - 2, once->width = q + 1;
+        kn_band_elevate(once, knots, q, count, list[turn]);
+        if (q > p) compose(&both[turn], &step, &both[1 - turn], p + 1);
+        knots = *to = list[turn], count = once->rows, *band = both[turn];
+    }
+    return status;
+}
+
+int kn_spline_elevated_count(const kn_spline *s, int var, int degree)
+{
+    size_t count = (size_t)s->count[var] + (size_t)(degree - s->degree[var]) * (size_t)kn_spline_spans(s, var);
+    return count < INT_MAX ? (int)count : INT_MAX;
 }
 
 kn_status kn_spline_elevate_in_scratch(kn_ctx *ctx, kn_spline *s, int var, int degree)
@@ -75,8 +84,11 @@ kn_status kn_spline_elevate_in_scratch(kn_ctx *ctx, kn_spline *s, int var, int d
     kn_band band = {0};
     double *to = NULL;
     if (degree <= s->degree[var]) return KN_OK;
-    kn_status status = kn_spline_elevation_band(ctx, &band, &to, s->knots[var], s->degree[var], s->count[var],
-                                                degree);
+    kn_spline shape = *s;
+    shape.count[var] = kn_spline_elevated_count(s, var, degree), shape.degree[var] = degree;
+    kn_status status = kn_spline_shape(ctx, "spline", s->nvars, s->ncomp, s->rational, shape.degree, shape.count);
+    if (status != KN_OK) return status;
+    status = kn_spline_elevation_band(ctx, &band, &to, s->knots[var], s->degree[var], s->count[var], degree);
     return status == KN_OK ? kn_spline_map_in_scratch(ctx, s, var, degree, to, &band) : status;
 }
 

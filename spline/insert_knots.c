@@ -7,12 +7,6 @@
 #include "spline/in_scratch.h"
 #include "kernel/context.h"
 
-static int by_value(const void *a, const void *b)
-{
-    double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
 // fresh = the new knots in order, after a check that they lie inside (lo, hi). Most callers have them in order.
 static kn_status sort(kn_ctx *ctx, double *fresh, const double *knots, int n, double lo, double hi)
 {
@@ -23,7 +17,7 @@ static kn_status sort(kn_ctx *ctx, double *fresh, const double *knots, int n, do
         fresh[i] = knots[i];
         in_order = in_order && (i == 0 || knots[i - 1] <= knots[i]);
     }
-    if (!in_order) qsort(fresh, (size_t)n, sizeof *fresh, by_value);
+    if (!in_order) qsort(fresh, (size_t)n, sizeof *fresh, kn_knots_by_value);
     return KN_OK;
 }
 
@@ -47,8 +41,12 @@ kn_status kn_spline_insert_knots(kn_ctx *ctx, kn_spline *out, const kn_spline *a
     if (status != KN_OK) return status;
     if (n < 0) return kn_fail(ctx, KN_EDOMAIN, "spline_insert_knots: %d knots", n);
     if ((size_t)n > KN_MAX_COEFS) return kn_fail(ctx, KN_ELIMIT, "spline_insert_knots: %d knots", n);
-
     kn_spline s = *a;
+    s.count[var] += n;
+    status = kn_spline_shape(ctx, "spline_insert_knots", s.nvars, s.ncomp, s.rational, s.degree, s.count);
+    if (status != KN_OK) return status;
+
+    s = *a;
     int p = a->degree[var], count = a->count[var], old = count + p + 1;
     kn_mark mark = kn_scratch_mark(ctx);
     double *fresh = kn_scratch(ctx, (size_t)n, sizeof *fresh);

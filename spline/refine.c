@@ -6,12 +6,6 @@
 #include "spline/in_scratch.h"
 #include "kernel/context.h"
 
-static int by_value(const void *a, const void *b)
-{
-    double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
 static kn_status refine_variable(kn_ctx *ctx, kn_spline *s, int var, const double *knots, int n)
 {
     int p = s->degree[var];
@@ -27,7 +21,7 @@ static kn_status refine_variable(kn_ctx *ctx, kn_spline *s, int var, const doubl
                            hi, var);
         sorted[i] = knots[i];
     }
-    qsort(sorted, (size_t)n, sizeof *sorted, by_value);
+    qsort(sorted, (size_t)n, sizeof *sorted, kn_knots_by_value);
     for (int i = p + 1; i < n; i++)
         if (sorted[i - p - 1] == sorted[i])
             return kn_fail(ctx, KN_EDOMAIN, "spline_refine: knot %g occurs more than degree + 1 times", sorted[i]);

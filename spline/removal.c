@@ -3,11 +3,11 @@
 //
 // Let knot s be the last of m equal ones x inside. Inserting x into the knots t' without it,
 //     c_i = a_i d_i + (1 - a_i) d_i-1,  a_i = (x - t'_i) / (t'_i+p - t'_i),  s-p <= i <= s-m,
-// and c_i = d_i before, c_i = d_i-1 after. These p - m + 1 equations have p - m unknowns; with d_s-p-1 and d_s-m known
-// from their neighbours they are solved from both ends, each side as long as it divides by the larger factor (Tiller,
-// Knot-removal algorithms for NURBS curves and surfaces, CAD 24, 1992). They have a solution where sum mu_i c_i = 0,
-// mu the numbers, alternating in sign, that are orthogonal to the equations. Otherwise the smallest change of
-// c_s-p .. c_s-m that gives them one moves each by the same length |sum mu_i c_i| / sum |mu_i|.
+// and c_i = d_i before, c_i = d_i-1 after. These p - m + 1 equations have p - m unknowns; with d_s-p-1 and d_s-m
+// known from their neighbours they are solved from both ends, each side as long as it divides by the larger factor
+// (Tiller, Knot-removal algorithms for NURBS curves and surfaces, CAD 24, 1992). They have a solution where sum mu_i
+// c_i = 0, mu the numbers, alternating in sign, that are orthogonal to the equations. Otherwise the smallest change
+// of c_s-p .. c_s-m that gives them one moves each by the same length |sum mu_i c_i| / sum |mu_i|.
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -339,8 +339,8 @@ static void copy_rows(kn_rows *to, const kn_rows *from)
     to->count = from->count;
 }
 
-// Removes the n cheapest, all at once, and asks for the distance; what passes the tolerance is undone and half as many
-// are tried. One that fails alone is kept for good.
+// Removes the n cheapest, all at once, and asks for the distance; what passes the tolerance is undone and half as
+// many are tried. One that fails alone is kept for good.
 static kn_status attempt(kn_ctx *ctx, greedy *w, int n)
 {
     copy_rows(&w->spare, w->g);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Knot insertion, subdivision, restriction, and Bezier pieces there and back.
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "tests/spline/oracle.h"
@@ -409,9 +410,34 @@ static void exact_restrictions(void **state)
     test_ctx_end(ctx, &memory);
 }
 
+// Too many coefficients are refused before anything is allocated, however much the call would need on the way.
+static void limits_come_first(void **state)
+{
+    (void)state;
+    test_memory memory = TEST_MEMORY_INIT;
+    kn_ctx *ctx = test_ctx(&memory, 1);
+    enum { COUNT = 64, MANY = 1 << 16 };
+    double axis[COUNT + 2], *knots = calloc(MANY, sizeof *knots);
+    const double *const k[] = {axis, axis, axis};
+    kn_spline s, out = {0};
+    assert_non_null(knots);
+    for (int i = 0; i < COUNT + 2; i++) axis[i] = i < 1 ? 0 : i > COUNT ? COUNT - 1 : i - 1;
+    for (int i = 0; i < MANY; i++) knots[i] = (i + 0.5) / MANY;
+    assert_int_equal(kn_spline_init(ctx, &s, 3, 1, false, (int[]){1, 1, 1}, (int[]){COUNT, COUNT, COUNT}, k, NULL),
+                     KN_OK);
+    size_t before = kn_ctx_counters(ctx).allocations;
+    assert_int_equal(kn_spline_insert_knots(ctx, &out, &s, 0, knots, MANY), KN_ELIMIT); // 2^12 (2^16 + 2^6)
+    assert_int_equal(kn_spline_elevate(ctx, &out, &s, (int[]){20, 20, 20}), KN_ELIMIT); // more than 1200^3
+    assert_int_equal(kn_ctx_counters(ctx).allocations, before);
+    kn_spline_clear(ctx, &s);
+    free(knots);
+    test_ctx_end(ctx, &memory);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(limits_come_first),
         cmocka_unit_test(chaikin),
         cmocka_unit_test(insertion_keeps_the_function),
         cmocka_unit_test(insertion_refuses),
