@@ -15,8 +15,8 @@ typedef struct kn_hull {
 // fails: KN_EDOMAIN not finite, or lo > hi, or only one of them is NULL.
 kn_status kn_bezier_hull(kn_ctx *ctx, const char *what, kn_hull *out, const kn_bezier *a, const double *lo,
                          const double *hi);
-// The box of dim components, behind which the weight lies when rational. fails: KN_EDOMAIN the weight, less its error,
-// is not positive everywhere.
+// The box of dim components, behind which the weight lies when rational. fails: KN_EDOMAIN the weight, less its
+// error, is not positive everywhere.
 kn_status kn_hull_box(kn_ctx *ctx, const char *what, double *lo, double *hi, const kn_hull *hull, int dim,
                       bool rational);
 

@@ -6,9 +6,9 @@
 #include "bezier/shape.h"
 
 // Of all components but the last, or of all when radius < 0, the Euclidean norm; radius >= 0 adds radius |last|.
-// *bound becomes the larger of itself and an upper bound of it over [0,1]^nvars for d, rounding included, at most 1.25
-// times the maximum where halving can show that within some hundred pieces. *least rises to values that d takes: what
-// is below 1.25 *least is not looked at more closely, so that one pair serves many pieces. Start with 0 and 0.
+// *bound becomes the larger of itself and an upper bound of it over [0,1]^nvars for d, rounding included, at most
+// 1.25 times the maximum where halving can show that within some hundred pieces. *least rises to values that d takes:
+// what is below 1.25 *least is not looked at more closely, so that one pair serves many pieces. Start with 0 and 0.
 // INFINITY where coefficients are not finite. KN_ENOMEM.
 kn_status kn_bezier_norm_bound(kn_ctx *ctx, double *bound, double *least, const kn_bezier *d, double radius);
 

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // Degree reduction: exactly where that is possible, else the nearest in the sense of least squares of coefficients.
 //
-// The Euclidean distance of Bernstein coefficients, best on lower degrees, is best in L2 as well (Lutterkort, Peters &
-// Reif, Polynomial degree reduction in the L2-norm equals best Euclidean approximation of Bezier coefficients, CAGD 16,
-// 1999); here with the ends kept, so that neighbours still meet (Ahn, Lee, Park & Yoo, CAGD 21, 2004). Each line of
-// coefficients is reduced by itself: what an edge becomes depends on the edge alone.
+// The Euclidean distance of Bernstein coefficients, best on lower degrees, is best in L2 as well (Lutterkort, Peters
+// & Reif, Polynomial degree reduction in the L2-norm equals best Euclidean approximation of Bezier coefficients, CAGD
+// 16, 1999); here with the ends kept, so that neighbours still meet (Ahn, Lee, Park & Yoo, CAGD 21, 2004). Each line
+// of coefficients is reduced by itself: what an edge becomes depends on the edge alone.
 #include "bezier/reduction.h"
 
 #include <math.h>
@@ -66,7 +66,8 @@ kn_status kn_bezier_reduce_axis(kn_ctx *ctx, kn_bezier *c, bool *exact, const kn
     return status;
 }
 
-// *d = a - low, with low elevated: gamma(sum (T_d + 2)) of low's largest coefficient, and 1 for the difference itself.
+// *d = a - low, with low elevated: gamma(sum (T_d + 2)) of low's largest coefficient, and 1 for the
+// difference itself.
 static kn_status difference(kn_ctx *ctx, kn_bezier *d, kn_parts *rounding, const kn_bezier *a, const kn_bezier *low)
 {
     kn_bezier now = *low;

@@ -61,8 +61,8 @@ static inline double *kn_bezier_comp(const kn_bezier *b, int comp)
     return b->coef + (size_t)comp * kn_bezier_count(b);
 }
 
-// The ncomp homogeneous values at a point, plainly. work: ncomp * count / (last degree + 1) numbers, the values
-// first.
+// The ncomp homogeneous values at a point, plainly. work: ncomp * count / (last degree + 1) numbers, the
+// values first.
 void kn_bezier_eval_plain(double *work, const kn_bezier *b, const double *at);
 
 // b seen along variable var: (outer, degree[var] + 1, inner) with the components part of outer.

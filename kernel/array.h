@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Dense coefficient arrays, of pieces and splines alike, turned, mirrored and mapped: no allocation, no status.
-// An array is seen as (outer, n, inner), or as ncomp arrays of count[0] x .. x count[nvars-1], the last index
-// fastest.
+// Dense coefficient arrays, of pieces and splines alike, turned, mirrored and mapped: no allocation, no status. An
+// array is seen as (outer, n, inner), or as ncomp arrays of count[0] x .. x count[nvars-1], the last index fastest.
 #ifndef KERNEL_ARRAY_H
 #define KERNEL_ARRAY_H
 

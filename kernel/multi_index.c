@@ -30,9 +30,9 @@ static int choose(int n, int k)
     return (int)c;
 }
 
-// Before a come all indices of lower order, C(nvars + |a| - 1, nvars) of them; then, for each variable in turn, those
-// of equal order that agree so far and have more of it: what is left after it shrinks, C(rest - 1 + vars, vars) of
-// them.
+// Before a come all indices of lower order, C(nvars + |a| - 1, nvars) of them; then, for each variable in turn,
+// those of equal order that agree so far and have more of it: what is left after it shrinks, C(rest - 1 + vars,
+// vars) of them.
 int kn_multi_index_place(int nvars, const int *a)
 {
     int rest = 0, place = 0;

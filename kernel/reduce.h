@@ -32,7 +32,8 @@ void kn_bernstein_lower(double *p, int m, const double *b, int n);
 bool kn_bernstein_is_elevated(const double *b, int n, const double *p, int m);
 // max |b - elevation of p|, as computed.
 double kn_bernstein_misfit(const double *b, int n, const double *p, int m);
-// The degree of the polynomial with the coefficients b, exactly, or n where the numbers are too large or small to say.
+// The degree of the polynomial with the coefficients b, exactly, or n where the numbers are too large or small
+// to say.
 int kn_bernstein_degree(const double *b, int n);
 
 #endif

@@ -21,8 +21,8 @@ size_t kn_spline_outer(const kn_spline *s, int var); // components included
 
 // ---- where results live: how an operation allocates nothing in the steady state ----
 // Temporary splines have their arrays in scratch, or borrow an operand's, which nothing writes to; the result is
-// copied last, and out's arrays are used again where their lengths fit. Nothing is cleared; out is untouched by a
-// failure:
+// copied last, and out's arrays are used again where their lengths fit. Nothing is cleared; out is untouched by
+// a failure:
 //     kn_mark mark = kn_scratch_mark(ctx);
 //     kn_spline s = *a;                                                  // borrowed
 //     kn_status status = kn_spline_refine_in_scratch(ctx, &s, var, ..);  // any of the three below; s's arrays change
@@ -66,9 +66,9 @@ kn_status kn_spline_alloc_split(kn_ctx *ctx, kn_spline *out, int nvars, int ncom
 // In place, the way back from such a spline: knots as times[] says, degree + 1 of them at both ends.
 kn_status kn_spline_join(kn_ctx *ctx, kn_spline *s, const kn_grid *grid);
 
-// out = op(a) piece by piece. op answers pieces of this shape, in the parameters of [0,1] and in the array that its out
-// has; it gets the size of the box. The knots are those of a's continuity, less one in variable `rough` (-1: none,
-// KN_EVERY_VAR: in each).
+// out = op(a) piece by piece. op answers pieces of this shape, in the parameters of [0,1] and in the array that its
+// out has; it gets the size of the box. The knots are those of a's continuity, less one in variable `rough` (-1:
+// none, KN_EVERY_VAR: in each).
 enum { KN_EVERY_VAR = -2 };
 typedef kn_status (*kn_piece_op)(kn_ctx *ctx, kn_bezier *out, const kn_bezier *a, const double *size,
                                  const void *user);

@@ -6,8 +6,8 @@
 #include "spline/internal.h"
 #include "kernel/context.h"
 
-// The place in s of row `index` of the box that starts at first, and the next index; rows run along the last
-// variable.
+// The place in s of row `index` of the box that starts at first, and the next index; rows run along the
+// last variable.
 static size_t row_place(const kn_spline *s, const int *first, int *index)
 {
     size_t place = 0;

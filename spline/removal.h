@@ -25,8 +25,8 @@ kn_status kn_rows_remove(kn_ctx *ctx, const char *call, kn_rows *rows, double *e
 kn_status kn_spline_expect_tolerance(kn_ctx *ctx, const char *call, double tolerance);
 
 // *bound >= |f - g| over the whole domain, and local[i], i < f's count, the same where B-spline i of f is not zero
-// (NULL: not wanted), for g on some of f's knots: Euclidean norm of the difference of values, projected when rational.
-// INFINITY where a weight is not positive. KN_ENOMEM.
+// (NULL: not wanted), for g on some of f's knots: Euclidean norm of the difference of values, projected when
+// rational. INFINITY where a weight is not positive. KN_ENOMEM.
 kn_status kn_rows_distance(kn_ctx *ctx, double *bound, double *local, const kn_rows *f, const kn_rows *g);
 
 #endif

@@ -63,8 +63,8 @@ KN_API KN_CHECKED kn_status kn_fit_averaged_knots(kn_ctx *ctx, double *knots, in
 KN_API KN_CHECKED kn_status kn_fit_parameters(kn_ctx *ctx, double *sites, int nvars, int dim, const int *n,
                                               const double *points, int var, double exponent);
 // The first (at_end: the last) norders control points of a curve from value, first derivative, .. at that end:
-// derivatives[k*dim + c], k < norders. They go to their places in coef, dim arrays of count numbers, whose others
-// stay.
+// derivatives[k*dim + c], k < norders. They go to their places in coef, dim arrays of count numbers, whose
+// others stay.
 // fails:  KN_EDOMAIN, KN_ELIMIT; norders not in 1 .. degree + 1.
 // error:  the value exact; gamma(7 degree) of the sums of absolute values in the substitution for the others.
 KN_API KN_CHECKED kn_status kn_fit_end_coefficients(kn_ctx *ctx, double *coef, int dim, const double *knots,
@@ -90,8 +90,8 @@ typedef struct kn_fit_fixed {
 //         count) + 5 p) |A| in the Frobenius norm, and whose data by as much of theirs.
 // cost:   3 p^2 nsites[d] for the factors and 4 (p + 1) multiply-adds for each value, in each variable; scratch 2 (p
 //         + 1) nsites[d] and three grids of values.
-// source: Givens rotations: Golub & Van Loan, section 5.2.5; rank: de Boor, A Practical Guide to Splines, chapter
-//         XIV.
+// source: Givens rotations: Golub & Van Loan, section 5.2.5; rank: de Boor, A Practical Guide to Splines,
+//         chapter XIV.
 KN_API KN_CHECKED kn_status kn_fit_least_squares(kn_ctx *ctx, kn_spline *out, double *residual, int nvars, int dim,
                                                  const int *degree, const int *count, const double *const *knots,
                                                  const int *nsites, const double *const *sites, const double *values,

@@ -32,9 +32,10 @@ typedef struct kn_spline {
 
 // ---- life ----
 // *out = a spline with these numbers.
-// in:     knots[d]: count[d] + degree[d] + 1 numbers, copied and checked as above. coef: copied as it is; NULL:
-// zeros. out:    overwritten, not cleared; kn_spline_clear it. fails:  KN_EDOMAIN numbers out of range or knots that
-// break a rule (the message says which); KN_ELIMIT.
+// in:     knots[d]: count[d] + degree[d] + 1 numbers, copied and checked as above. coef: copied as it is;
+//         NULL: zeros.
+// out:    overwritten, not cleared: for a fresh variable; kn_spline_clear it.
+// fails:  KN_EDOMAIN numbers out of range or knots that break a rule (the message says which); KN_ELIMIT.
 KN_API KN_CHECKED kn_status kn_spline_init(kn_ctx *ctx, kn_spline *out, int nvars, int ncomp, bool rational,
                                            const int *degree, const int *count, const double *const *knots,
                                            const double *coef);
@@ -115,9 +116,9 @@ KN_API KN_CHECKED kn_status kn_spline_derivatives(kn_ctx *ctx, double *out, cons
 // the result's numbers of knots and coefficients.
 
 // out = a + b and out = a - b, of equal dimension (else KN_EDOMAIN).
-// out:    polynomial, or with the same weights on the same knots: the higher degree in each variable, and each knot as
-//         often as the continuity of the rougher operand asks. Otherwise over the product of the weights, with degrees
-//         and knots as for a product.
+// out:    polynomial, or with the same weights on the same knots: the higher degree in each variable, and each knot
+//         as often as the continuity of the rougher operand asks. Otherwise over the product of the weights, with
+//         degrees and knots as for a product.
 // error:  polynomial: gamma(1 + e_a)|a|_k + gamma(1 + e_b)|b|_k, e_a, e_b the roundings of restriction, elevation and
 //         knot insertion, |a| and |b| restricted, elevated and refined too. Otherwise as a product.
 KN_API KN_CHECKED kn_status kn_spline_sum(kn_ctx *ctx, kn_spline *out, const kn_spline *a, const kn_spline *b);
@@ -147,8 +148,7 @@ KN_API KN_CHECKED kn_status kn_spline_determinant(kn_ctx *ctx, kn_spline *out, c
                                                   const kn_spline *c);
 // out = the partial derivative of a in variable var.
 // out:    polynomial: one degree less in var (0 stays 0, and the coefficients become 0), every knot as often as
-// before
-//         but at most degree + 1 times. rational: over the square of the weight, all degrees double.
+//         before but at most degree + 1 times. rational: over the square of the weight, all degrees double.
 // fails:  KN_EDOMAIN var.
 // error:  polynomial: gamma(4)|c_k|: p (c_i+1 - c_i) / (t_i+p+1 - t_i+1), differences first.
 KN_API KN_CHECKED kn_status kn_spline_derivative(kn_ctx *ctx, kn_spline *out, const kn_spline *a, int var);
@@ -157,8 +157,8 @@ KN_API KN_CHECKED kn_status kn_spline_derivative(kn_ctx *ctx, kn_spline *out, co
 // error:  convex combinations: for each variable and each step from p to p + 1 gamma(6 V + 2 D) |a|_k, |a| elevated
 //         too: D knots are different among the p + 1 of the elevated vector between which the coefficient lies, and
 //         V have all their copies among them, one less if all have; of all coefficients the largest such number.
-// cost:   prod count * (p + 1) multiply-adds a variable, whatever the rise, and for each coefficient of a variable and
-//         step D blossoms of the V knots that are not a's.
+// cost:   prod count * (p + 1) multiply-adds a variable, whatever the rise, and for each coefficient of a variable
+//         and step D blossoms of the V knots that are not a's.
 // source: by blossoms (Ramshaw, Blossoms are polar forms, CAGD 6, 1989); Prautzsch, CAGD 1 (1984).
 KN_API KN_CHECKED kn_status kn_spline_elevate(kn_ctx *ctx, kn_spline *out, const kn_spline *a, const int *degree);
 
@@ -212,9 +212,10 @@ KN_API KN_CHECKED kn_status kn_spline_gradient(kn_ctx *ctx, kn_spline *out, cons
 // fails:  KN_EDOMAIN dim is not nvars; KN_ELIMIT as said.
 // error:  the sum of those of the gradient, and gamma(nvars - 1) of the sum of absolute values.
 KN_API KN_CHECKED kn_status kn_spline_divergence(kn_ctx *ctx, kn_spline *out, const kn_spline *a);
-// out[d] >= |derivative of a in variable d| (Euclidean norm) over the domain: nvars numbers. At knots both sides count;
-// the height of a jump does not.
-// fails, source: as kn_bezier_lipschitz. cost: as kn_spline_derivative; rational: two products for each piece.
+// out[d] >= |derivative of a in variable d| (Euclidean norm) over the domain: nvars numbers. At knots both sides
+// count; the height of a jump does not.
+// fails:  and source as kn_bezier_lipschitz.
+// cost:   as kn_spline_derivative; rational: two products for each piece.
 KN_API KN_CHECKED kn_status kn_spline_lipschitz(kn_ctx *ctx, double *out, const kn_spline *a);
 
 // ---- pieces ----
@@ -233,8 +234,8 @@ KN_API KN_CHECKED kn_status kn_spline_lipschitz(kn_ctx *ctx, double *out, const 
 //         for parametric B-spline curves and surfaces, CAGD 4 (1987).
 KN_API KN_CHECKED kn_status kn_spline_remove_knots(kn_ctx *ctx, kn_spline *out, double *error, const kn_spline *a,
                                                    int var, double tolerance);
-// out = a on a grid that contains, in every variable d, the n[d] knots (each as often as it is listed, or as a has
-// it).
+// out = a on a grid that contains, in every variable d, the n[d] knots (each as often as it is listed, or as a
+// has it).
 // in:     any order; knots at the ends of the domain are allowed and change nothing, so that the knots of another
 //         spline of the same degrees will do.
 // fails:  KN_EDOMAIN n[d] < 0, a knot outside the domain, or listed more than degree + 1 times; KN_ELIMIT.
@@ -243,8 +244,8 @@ KN_API KN_CHECKED kn_status kn_spline_refine(kn_ctx *ctx, kn_spline *out, const 
                                              const double *const *knots);
 // Brings n splines over one domain, in place, to the same degrees and knots; values are unchanged.
 // in:     list[0 .. n-1]: the same variables; dimensions and weights may differ. n 0 and 1: nothing happens.
-// out:    in each variable the highest degree, and each knot as often as the roughest of them needs. A spline that has
-//         them already is not touched. All of the list is unchanged on failure.
+// out:    in each variable the highest degree, and each knot as often as the roughest of them needs. A spline that
+//         has them already is not touched. All of the list is unchanged on failure.
 // fails:  KN_EDOMAIN n < 0, an empty one, other variables or domains (bit for bit); KN_ELIMIT.
 // error:  and cost of elevation and knot insertion: all convex combinations.
 KN_API KN_CHECKED kn_status kn_spline_make_compatible(kn_ctx *ctx, kn_spline *list, int n);
@@ -253,8 +254,8 @@ KN_API KN_CHECKED kn_status kn_spline_make_compatible(kn_ctx *ctx, kn_spline *li
 //         A polynomial beside a rational one has the weight 1; homogeneous coordinates are compared.
 // out:    degrees and cross knots made compatible (convex combinations, with their rounding, where they differ). The
 //         common break has degree + 1 knots less those that kn_spline_remove_knots can remove there within tolerance:
-//         with 0 those whose removal is exact, and ends that agree bit for bit are joined. Ends that are too far apart
-//         stay apart: a jump. *error as there: of the joining. NULL: not wanted.
+//         with 0 those whose removal is exact, and ends that agree bit for bit are joined. Ends that are too far
+//         apart stay apart: a jump. *error as there: of the joining. NULL: not wanted.
 // fails:  KN_EDOMAIN var, domains, dimensions, tolerance, or tolerance > 0 and a weight that is not positive;
 //         KN_ELIMIT.
 // cost:   as elevation, refinement and removal.
@@ -283,9 +284,8 @@ KN_API KN_CHECKED kn_status kn_spline_isoparametric(kn_ctx *ctx, kn_spline *out,
                                                     double at);
 // Inserts n knots (any order, repeated for multiplicity) into variable var; the function is unchanged.
 // fails:  KN_EDOMAIN var, n < 0, a knot that is not inside the domain, or more than degree + 1 equal ones.
-// error:  convex combinations without any cancellation: gamma(6 v + 1) sum_k w_ik |c_k|, v <= p the new
-//         knots among the p between which the coefficient lies. Coefficients that no new knot concerns stay bit for
-//         bit.
+// error:  convex combinations without any cancellation: gamma(6 v + 1) sum_k w_ik |c_k|, v <= p the new knots among
+//         the p between which the coefficient lies. Coefficients that no new knot concerns stay bit for bit.
 // cost:   ncomp prod count * (v + 1) multiply-adds, and v (v + 1) for each coefficient of that variable; nothing is
 //         allocated when out has the right size.
 // source: the Oslo algorithm, by blossoms; Lyche & Morken, Making the Oslo algorithm more efficient, SINUM 23 (1986).
@@ -304,22 +304,19 @@ KN_API KN_CHECKED kn_status kn_spline_restrict(kn_ctx *ctx, kn_spline *out, cons
                                                const double *hi);
 // The Bezier pieces, one for each box of non-empty knot intervals.
 // out:    *pieces is an array of *npieces, the last variable fastest, to be cleared one by one and freed with
-// kn_free.
-//         Neighbours share their common coefficients bit for bit (where the spline is continuous).
+//         kn_free. Neighbours share their common coefficients bit for bit (where the spline is continuous).
 // error:  as knot insertion in each variable.
 KN_API KN_CHECKED kn_status kn_spline_to_bezier(kn_ctx *ctx, kn_bezier **pieces, size_t *npieces, const kn_spline *a);
 // The way back: pieces of one shape on the grid of breaks[d][0 .. nbreaks[d]-1] (increasing), last variable fastest,
 // that agree to order continuity[d] (-1 .. degree-1) at every interior break of variable d; the knots there get
 // multiplicity degree - continuity.
 // out:    a coefficient is the blossom of one piece at degree neighbouring knots, of all pieces in its support the
-// one
-//         whose weights have the smallest sum of absolute values, the lowest of equals; that the others agree is
+//         one whose weights have the smallest sum of absolute values, the lowest of equals; that the others agree is
 //         not checked. Coefficients that one piece has already are copied bit for bit.
 // fails:  KN_EDOMAIN shapes differ, breaks, continuity; KN_ELIMIT.
 // error:  in each variable gamma(6 p + 1) J max |c|, and errors of the pieces grow by J, the largest such sum. On
-// equal
-//         spans J = 1 at continuity 0 and for C1 quadratics, 3 for C2 cubics, 9 and 45 for quartics and quintics of
-//         the highest continuity; it grows with uneven spans.
+//         equal spans J = 1 at continuity 0 and for C1 quadratics, 3 for C2 cubics, 9 and 45 for quartics and
+//         quintics of the highest continuity; it grows with uneven spans.
 KN_API KN_CHECKED kn_status kn_spline_from_bezier(kn_ctx *ctx, kn_spline *out, const kn_bezier *pieces,
                                                   const int *nbreaks, const double *const *breaks,
                                                   const int *continuity);

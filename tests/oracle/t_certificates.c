@@ -201,8 +201,8 @@ static void pieces(void **state)
     end(&w);
 }
 
-// Halves that meet at -2/4. Without a knot there the curve is at 1 instead: a distance of 3/2, of which |P - Q| / w and
-// |w - v| R / w are one half each.
+// Halves that meet at -2/4. Without a knot there the curve is at 1 instead: a distance of 3/2, of which |P - Q| / w
+// and |w - v| R / w are one half each.
 static void weights_count(void **state)
 {
     (void)state;
