@@ -239,7 +239,8 @@ INLINE void gather(double *to, const double *t, size_t apart, int n, double rest
 #if LANES == 8
     const __m512i even = _mm512_set_epi64(14, 12, 10, 8, 6, 4, 2, 0);
     for (; apart == 2 && i + 8 < n; i += 8) // the last number of a whole vector may be nobody's
-        _mm512_storeu_pd(to + i, _mm512_permutex2var_pd(_mm512_loadu_pd(t + 2 * i), even, _mm512_loadu_pd(t + 2 * i + 8)));
+        _mm512_storeu_pd(to + i,
+                         _mm512_permutex2var_pd(_mm512_loadu_pd(t + 2 * i), even, _mm512_loadu_pd(t + 2 * i + 8)));
 #endif
     for (; i < n; i++) to[i] = t[(size_t)i * apart];
     for (; i < KN_EVAL_BLOCK; i++) to[i] = rest;
@@ -367,7 +368,10 @@ INLINE void whole_pairs(low *h, const double *c, const view *v, size_t i, int nv
         inner(s, c + k * KN_EVAL_VECTOR, v, i, nvars - 1, fixed, partials);
         for (int m = 0; m < results; m++) {
             vec term = m == nvars ? g * s[0] : n * s[m];
-            sum[m] = _mm512_mask_add_pd(sum[m], k < p ? 0xFF : 0x0F, sum[m], term);
+            if (k < p)
+                sum[m] = sum[m] + term;
+            else
+                sum[m] = _mm512_mask_add_pd(sum[m], 0x0F, sum[m], term);
         }
     }
     for (int m = 0; m < results; m++)
@@ -402,30 +406,25 @@ STAGE void divide_narrow(low *h, int results)
 
 typedef struct block {
     double *out;
-    const double *end; // of all results
     const kn_eval_plan *plan;
     const size_t *offset;
     const view *v;
     int n, dim;
 } block;
 
-// Points of four components or fewer: whole vectors, of which the next result overwrites what is too much. The last
-// ones of all have no room for that.
+// Points of four components or fewer: whole vectors, of which the next result overwrites what is too much.
 INLINE void narrow(const block *b, int nvars, int fixed, bool split, bool partials)
 {
     enum { PARTS = KN_EVAL_VECTOR / LOW };
     bool rational = b->plan->rational;
     int results = partials ? 1 + nvars : 1, dim = b->dim;
-    size_t each = (size_t)(results * dim), n = (size_t)b->n, room = (size_t)(b->end - b->out);
-    size_t roomy = room < KN_EVAL_VECTOR ? 0 : (room - KN_EVAL_VECTOR) / each; // points with room
     const double *packed = b->plan->packed;
     const size_t *offset = b->offset;
-    double *out = b->out, copy[(KN_MAX_VARS + 1) * KN_EVAL_VECTOR];
+    double *out = b->out;
     view v[KN_MAX_VARS];
     for (int d = 0; d < nvars; d++) v[d] = b->v[d];
     if (split) v[0].step = 1, v[0].point = KN_EVAL_VECTOR, v[1].step = KN_EVAL_BLOCK, v[1].point = 1;
-    for (size_t i = 0; i < n; i++, out += each) {
-        double *to = i < roomy ? out : copy;
+    for (size_t i = 0, n = (size_t)b->n; i < n; i++, out += results * dim) {
         const double *c = packed + offset[i];
         low h[(KN_MAX_VARS + 1) * PARTS];
 #if LANES == 8
@@ -437,17 +436,22 @@ INLINE void narrow(const block *b, int nvars, int fixed, bool split, bool partia
             for (int m = 0; m < results; m++) h[m * PARTS + part] = one[m];
         }
 #endif
-        if (rational) divide_narrow(h, results);
+        if (rational) {
+            low apart[(KN_MAX_VARS + 1) * PARTS]; // so that h can stay in registers
+            for (int m = 0; m < results * PARTS; m++) apart[m] = h[m];
+            divide_narrow(apart, results);
+            for (int m = 0; m < results * PARTS; m++) h[m] = apart[m];
+        }
         for (int m = 0; m < results; m++)
-            for (int part = 0; part < PARTS; part++) *(low *)(to + m * dim + part * LOW) = h[m * PARTS + part];
-        if (i >= roomy) memcpy(out, copy, each * sizeof *out);
+            for (int part = 0; part < PARTS; part++) *(low *)(out + m * dim + part * LOW) = h[m * PARTS + part];
     }
 }
 
-// Of splines whose last variable is in Bezier form; a constant tells the compiler where all numbers lie.
+// Of splines whose last variable is in Bezier form; a constant tells the compiler where all numbers lie. Narrow
+// vectors gain too little by it.
 INLINE bool is_split(const block *b)
 {
-    return b->v[0].step == 1 && b->v[1].step != 1;
+    return LANES == 8 && b->v[0].step == 1 && b->v[1].step != 1;
 }
 
 STAGE void bicubic_values(const block *b)
@@ -523,15 +527,18 @@ TARGET static void points(double *out, const kn_eval_plan *plan, size_t npoints,
 {
     int vars = plan->nvars, dim = plan->ncomp - plan->rational;
     size_t each = (size_t)dim * (partials ? 1 + (size_t)vars : 1);
+    double
+        end[(KN_EVAL_BLOCK * (KN_MAX_VARS + 1) + 1) * KN_EVAL_VECTOR]; // for the last block, and what it has too much
     view v[KN_MAX_VARS];
-    block b = {.out = out, .end = out + npoints * each, .plan = plan, .v = v, .dim = dim};
-    while (npoints > 0) {
-        int n = npoints < KN_EVAL_BLOCK ? (int)npoints : KN_EVAL_BLOCK;
+    block b = {.plan = plan, .v = v, .dim = dim};
+    for (int n; npoints > 0; npoints -= (size_t)n, at += n * vars, out += (size_t)n * each) {
+        n = npoints < KN_EVAL_BLOCK ? (int)npoints : KN_EVAL_BLOCK;
+        bool aside = npoints <= KN_EVAL_BLOCK && plan->width == KN_EVAL_VECTOR;
         size_t offset[KN_EVAL_BLOCK] = {0};
         for (int d = 0; d < vars; d++) one_axis(&v[d], offset, &plan->axis[d], at + d, (size_t)vars, n, partials);
-        b.n = n, b.offset = offset;
+        b.n = n, b.offset = offset, b.out = aside ? end : out;
         choose(&b, partials);
-        b.out += (size_t)n * each, npoints -= (size_t)n, at += n * vars;
+        if (aside) memcpy(out, end, (size_t)n * each * sizeof *out);
     }
 }
 
