@@ -64,6 +64,11 @@ void kn_numbers_merge(kn_numbers *numbers, const double *keep, int nkeep, double
     numbers->count = n;
 }
 
+double kn_nearness(const double *breaks, int n)
+{
+    return 0x1p-44 * (breaks[n - 1] - breaks[0]) + 0x1p-51 * fmax(fabs(breaks[0]), fabs(breaks[n - 1]));
+}
+
 // ---- one variable alone ----
 kn_component kn_component_of(const kn_bezier *piece, int c)
 {
@@ -241,14 +246,35 @@ static void range(double *lo, double *hi, const kn_component *f, size_t n)
     }
 }
 
+// About the most that x changes when variable d moves by blur[d] of the piece, for all d: a derivative is at most the
+// degree times the largest difference of neighbours, times the spread of the weights.
+static double change(const kn_bezier *piece, const kn_component *f, const double *blur)
+{
+    size_t n = kn_bezier_count(piece);
+    double sum = 0.0, lightest = INFINITY, heaviest = 0.0;
+    for (int d = 0; d < piece->nvars; d++) {
+        size_t inner = kn_bernstein_count(piece->nvars - d - 1, piece->degree + d + 1),
+               m = (size_t)piece->degree[d] + 1;
+        double most = 0.0;
+        for (size_t i = 0; i + inner < n; i++) {
+            if (i / inner % m == m - 1) continue;
+            double a = f->x[i], b = f->x[i + inner];
+            most = fmax(most, fabs(f->w ? b / f->w[i + inner] - a / f->w[i] : b - a));
+        }
+        sum += fmin(blur[d], 1.0) * piece->degree[d] * most;
+    }
+    for (size_t i = 0; f->w && i < n; i++) lightest = fmin(lightest, f->w[i]), heaviest = fmax(heaviest, f->w[i]);
+    return f->w ? sum * heaviest / lightest : sum;
+}
+
 kn_status kn_locate(kn_ctx *ctx, const char *call, int *span, const kn_bezier *piece, int c, const double *breaks,
-                    int nbreaks)
+                    int nbreaks, const double *blur)
 {
     kn_component f = kn_component_of(piece, c);
     size_t n = kn_bezier_count(piece);
     double lo, hi;
     range(&lo, &hi, &f, n);
-    double tolerance = slack * fmax(fabs(lo), fabs(hi)), knot = NAN;
+    double tolerance = slack * fmax(fabs(lo), fabs(hi)) + change(piece, &f, blur), knot = NAN;
     int s = nbreaks - 2;
     while (s > 0 && lo < breaks[s] - tolerance) s--; // the highest that begins early enough
     *span = s;

@@ -17,6 +17,9 @@ kn_status kn_numbers_add(kn_ctx *ctx, kn_numbers *numbers, double value);
 // (sorted) if there is one among them.
 void kn_numbers_merge(kn_numbers *numbers, const double *keep, int nkeep, double near);
 
+// Crossings nearer to each other than this are one: about the rounding of a root, and of a parameter.
+double kn_nearness(const double *breaks, int n);
+
 // Component c of a piece: n numbers X and the weight, NULL for 1.
 typedef struct kn_component {
     const double *x, *w;
@@ -34,8 +37,10 @@ kn_status kn_crossings(kn_ctx *ctx, kn_numbers *out, const double *x, const doub
                        double lo, double hi);
 
 // The span s of breaks[0 .. nbreaks-1] that contains x = X/w of component c, the end spans reaching to infinity:
-// KN_EDOMAIN (recorded) when x crosses a break, KN_EUNDECIDED when that remains open.
+// KN_EDOMAIN (recorded) when x crosses a break, KN_EUNDECIDED when that remains open. Beyond a break do not count:
+// 2^-40 of the largest |x|, and what x changes when variable d moves by blur[d] of the piece: ends of the piece are
+// rounded parameters.
 kn_status kn_locate(kn_ctx *ctx, const char *call, int *span, const kn_bezier *piece, int c, const double *breaks,
-                    int nbreaks);
+                    int nbreaks, const double *blur);
 
 #endif

@@ -5,8 +5,8 @@
 //     f = sum_(i_d) x_d^(i_d) s_d^(p_d - i_d) (sum_(i_E) c_(i_E, i_d) prod_(e in E) x_e^(i_e) s_e^(p_e - i_e)).
 // The inner sum has scalar coefficients: one small matrix product for all components and all i_d. The outer one has
 // polynomials as coefficients; a form of degree n over n + 1 of them is halved,
-//     sum_(i <= n) x^i s^(n-i) f_i = s^(n-k+1) (sum_(i < k) x^i s^(k-1-i) f_i) + x^k (sum_(i >= k) x^(i-k) s^(n-i)
-//     f_i),
+//     sum_(i <= n) x^i s^(n-i) f_i
+//         = s^(n-k+1) (sum_(i < k) x^i s^(k-1-i) f_i) + x^k (sum_(i >= k) x^(i-k) s^(n-i) f_i),
 // and the powers outside are multiplied one factor at a time: each factor is as small as can be, and a form of degree
 // n costs about n log2 n such products. docs/composition.md compares this with the other nests.
 #include "compose/nest.h"

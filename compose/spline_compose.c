@@ -96,7 +96,7 @@ static kn_status find_breaks(kn_ctx *ctx, work *w, const kn_spline *inner)
         int n = w->own.nbreaks[d];
         for (int i = 0; status == KN_OK && i < n; i++) status = kn_numbers_add(ctx, &lists[d], own[i]);
         if (status != KN_OK) break;
-        kn_numbers_merge(&lists[d], own, n, 0x1p-44 * fmax(fabs(own[0]), fabs(own[n - 1])));
+        kn_numbers_merge(&lists[d], own, n, kn_nearness(own, n));
         w->grid.nbreaks[d] = lists[d].count;
         w->grid.breaks[d] = lists[d].list;
         w->grid.times[d] = kn_scratch(ctx, (size_t)lists[d].count, sizeof(int));
@@ -115,13 +115,17 @@ static kn_status split_inner(kn_ctx *ctx, work *w, const kn_grid *grid)
 
 static kn_status compose_piece(kn_ctx *ctx, work *w, const int *index, int *span)
 {
-    double lo[KN_MAX_VARS], hi[KN_MAX_VARS];
+    double lo[KN_MAX_VARS], hi[KN_MAX_VARS], blur[KN_MAX_VARS];
     int first[KN_MAX_VARS];
     size_t at = 0;
     kn_status status = KN_OK;
     get_piece(&w->piece, &w->inner, index);
+    for (int d = 0; d < w->inner.nvars; d++) {
+        const double *ends = w->grid.breaks[d] + index[d];
+        blur[d] = kn_nearness(w->own.breaks[d], w->own.nbreaks[d]) / (ends[1] - ends[0]);
+    }
     for (int c = 0; status == KN_OK && c < w->outer->nvars; c++) {
-        status = kn_locate(ctx, "spline_compose", &span[c], &w->piece, c, w->outer_breaks[c], w->nouter[c]);
+        status = kn_locate(ctx, "spline_compose", &span[c], &w->piece, c, w->outer_breaks[c], w->nouter[c], blur);
         if (status != KN_OK) return status;
         lo[c] = w->outer_breaks[c][span[c]];
         hi[c] = w->outer_breaks[c][span[c] + 1];

@@ -60,7 +60,7 @@ static kn_status find_breaks(kn_ctx *ctx, work *w, const kn_spline *g)
     }
     for (int k = 0; status == KN_OK && k < w->g.n; k++) status = kn_numbers_add(ctx, &w->breaks, w->g.at[k]);
     if (status != KN_OK) return status;
-    kn_numbers_merge(&w->breaks, w->g.at, w->g.n, 0x1p-44 * fmax(fabs(w->g.at[0]), fabs(w->g.at[w->g.n - 1])));
+    kn_numbers_merge(&w->breaks, w->g.at, w->g.n, kn_nearness(w->g.at, w->g.n));
     w->span = kn_scratch(ctx, (size_t)w->breaks.count, sizeof *w->span);
     return w->span ? split_copy(ctx, &w->function, g, 0, w->breaks.list, w->breaks.count) : KN_ENOMEM;
 }
@@ -90,8 +90,9 @@ static kn_status make_out(kn_ctx *ctx, work *w, const kn_spline *a, int var, con
 static kn_status substitute_piece(kn_ctx *ctx, work *w, int var, int k)
 {
     kn_substitution map;
+    double blur = kn_nearness(w->g.at, w->g.n) / (w->breaks.list[k + 1] - w->breaks.list[k]);
     get_piece(&w->piece, &w->function, k);
-    kn_status status = kn_locate(ctx, "spline_substitute", &w->span[k], &w->piece, 0, w->a.at, w->a.n);
+    kn_status status = kn_locate(ctx, "spline_substitute", &w->span[k], &w->piece, 0, w->a.at, w->a.n, &blur);
     if (status != KN_OK) return status;
     int s = w->span[k], p = w->split.degree[var];
     kn_mark mark = kn_scratch_mark(ctx);

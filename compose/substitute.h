@@ -11,8 +11,8 @@
 // is to be divided by C(p m, k).
 typedef struct kn_substitution {
     int p, rows; // rows = p m + 1
-    double
-        *matrix; // (rows, p + 1): column i is C(p,i) x^i s^(p-i), x = (X - lo w)/(hi - lo), s = (hi w - X)/(hi - lo)
+    // (rows, p + 1): column i is C(p,i) x^i s^(p-i), x = (X - lo w)/(hi - lo), s = (hi w - X)/(hi - lo)
+    double *matrix;
     double *weight; // w^p, for a rational g
 } kn_substitution;
 

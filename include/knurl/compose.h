@@ -76,9 +76,9 @@ KN_API KN_CHECKED kn_status kn_bezier_compose(kn_ctx *ctx, kn_bezier *out, const
 //         kn_spline_eval does.
 // out:    may be an operand. Knots: inner's, and where inner crosses knots of outer. At a knot of inner the
 //         continuity of inner is kept; at a crossing that of outer at the knot that is crossed; where both meet, the
-//         smaller one. Crossings nearer than 2^-44 of the domain's largest parameter to each other, or to a knot of
-//         inner, become one. Where inner's values, but not its control points, lie inside a piece of outer, control
-//         points of the result may lie outside outer's, and weights may be negative.
+//         smaller one. Crossings nearer than 2^-44 of the domain's length and 2^-51 of its largest parameter to each
+//         other, or to a knot of inner, become one. Where inner's values, but not its control points, lie inside a
+//         piece of outer, control points of the result may lie outside outer's, and weights may be negative.
 // fails:  KN_EDOMAIN shapes, or a component that crosses a knot of outer in another way (the message names both);
 //         KN_EUNDECIDED whether it does (it touches the knot along a curve); KN_ELIMIT degree > KN_MAX_DEGREE;
 //         KN_ENOMEM; out unchanged. Less than 2^-40 of the component's size beyond a knot does not count.
@@ -138,8 +138,7 @@ KN_API KN_CHECKED kn_status kn_compose_piece(kn_ctx *ctx, kn_bezier *out, const 
 // in:     tile of two variables and components (u, v, w), polynomial; rows_degree[d] >= tile.degree[d] (degree[0] +
 //         degree[1] + power).
 // out:    overwritten; ended by kn_compose_matrix_clear. In the unit cell with power 0: m >= 0, rows sum to 1. Rows
-// on
-//         an edge depend on that edge alone, bit for bit the same in every patch that has it.
+//         on an edge depend on that edge alone, bit for bit the same in every patch that has it.
 // fails:  KN_EDOMAIN shapes, degrees, KN_ELIMIT degree > KN_MAX_DEGREE, KN_ENOMEM; out unchanged.
 // error:  docs/numerics.md, compose. cost: cols products of polynomials.
 typedef struct kn_compose_matrix {

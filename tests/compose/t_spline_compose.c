@@ -163,6 +163,37 @@ static void crossing_knots(void **state)
     test_ctx_end(ctx, &memory);
 }
 
+// Parameters far from 0: x rises over a domain of length 1 across the knots of a C1 quadratic. A break is off by at most
+// 4 units of the parameter; x rises by less than 3 slope, and the join leaves that times half the jump of f'' (spans
+// 0.2 slope and more: below 130 / slope^2) times the length of a span, at most slope.
+static void far_from_zero(void **state)
+{
+    (void)state;
+    test_memory memory = TEST_MEMORY_INIT;
+    kn_ctx *ctx = test_ctx(&memory, 1);
+    test_rng rng = test_random(23);
+    for (int run = 0; run < test_scale(40); run++) {
+        double far = run & 1 ? 1e6 : 1e9, slope = run & 2 ? 100.0 : 1.0, knots[8], coef[5], values[3];
+        double own[5] = {far, far, far + test_uniform(&rng, 0.25, 0.75), far + 1, far + 1};
+        for (int i = 0; i < 8; i++)
+            knots[i] = slope * (i < 3 ? 0.0 : i > 4 ? 1.0 : 0.3 * (i - 2) + test_uniform(&rng, 0.0, 0.1));
+        double tolerance = 4 * (nextafter(far, INFINITY) - far) * 3 * 130 /
+                           0.5; // the largest coefficient is 1/2 or more
+        coef[0] = 0.5;
+        for (int i = 1; i < 5; i++) coef[i] = test_uniform(&rng, -1, 1);
+        for (int i = 0; i < 3; i++) values[i] = slope * test_uniform(&rng, i / 3.0, (i + 1) / 3.0);
+        kn_spline outer = curve(ctx, 2, 5, knots, 1, false, coef), inner = curve(ctx, 1, 3, own, 1, false, values);
+        kn_spline out = {0}, other = {0};
+        assert_int_equal(kn_spline_compose(ctx, &out, &outer, &inner), KN_OK);
+        check_values(ctx, &out, &outer, &inner, &rng, 20, tolerance);
+        assert_int_equal(kn_spline_substitute(ctx, &other, &outer, 0, &inner), KN_OK);
+        check_values(ctx, &other, &outer, &inner, &rng, 20, tolerance);
+        kn_spline_clear(ctx, &outer), kn_spline_clear(ctx, &inner), kn_spline_clear(ctx, &out);
+        kn_spline_clear(ctx, &other);
+    }
+    test_ctx_end(ctx, &memory);
+}
+
 // x touches the knot 1 from above and from below, as a curve and as a surface: no break there. The surface
 // (r - t)^2 touches 0 along a line that is no parameter line: that is not decided.
 static void touching(void **state)
@@ -264,8 +295,9 @@ static void allocation_failures(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(scaled_parameter), cmocka_unit_test(continuity),
-                                       cmocka_unit_test(crossing_knots),   cmocka_unit_test(touching),
-                                       cmocka_unit_test(failures),         cmocka_unit_test(allocation_failures)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(scaled_parameter),   cmocka_unit_test(continuity),
+                                       cmocka_unit_test(crossing_knots),     cmocka_unit_test(far_from_zero),
+                                       cmocka_unit_test(touching),           cmocka_unit_test(failures),
+                                       cmocka_unit_test(allocation_failures)};
     return cmocka_run_group_tests_name("compose/spline_compose", tests, NULL, NULL);
 }
