@@ -21,7 +21,7 @@ typedef struct box {
 } box;
 
 typedef struct candidate {
-    double at[KN_CLOSEST_VARS], distance;
+    double at[KN_CLOSEST_VARS], from[KN_MAX_VARS], distance; // from: the vector from the point
 } candidate;
 
 typedef struct hunt {
@@ -29,7 +29,8 @@ typedef struct hunt {
     kn_cells cells;
     kn_distance distance;
     kn_solve_options options;
-    double *coef, *error, *work, *moved_error, gap, best, lower;
+    double *coef, *error, *work, *moved_error, *matrix[KN_CLOSEST_VARS], gap, best, lower;
+    size_t rhythm; // boxes between two reports of progress
     box *heap;
     size_t nheap, room;
     candidate *list;
@@ -97,7 +98,7 @@ static candidate measure(hunt *h, size_t cell, const double *x)
     candidate c = {.distance = 0.0};
     kn_cell_value(&h->cells, cell, x, value, error, h->work);
     for (int i = 0; i < dim; i++) {
-        double v = value[i] / (h->distance.rational ? value[dim] : 1.0);
+        double v = c.from[i] = value[i] / (h->distance.rational ? value[dim] : 1.0);
         sum += v * v;
     }
     c.distance = sqrt(sum);
@@ -153,7 +154,7 @@ static kn_status extract(kn_ctx *ctx, hunt *h, box *b)
 {
     const kn_spline *s = h->s;
     int n = s->nvars;
-    double *coef, *error, *ends, matrices[KN_CLOSEST_VARS][(KN_MAX_DEGREE + 1) * (KN_MAX_DEGREE + 1)];
+    double *coef, *error, *ends;
     const double *matrix[KN_CLOSEST_VARS];
     kn_status status = kn_cells_add(ctx, &h->cells, &coef, &error, &ends);
     if (status != KN_OK) return status;
@@ -161,8 +162,8 @@ static kn_status extract(kn_ctx *ctx, hunt *h, box *b)
     for (int d = 0; d < n; d++) {
         ends[d] = s->knots[d][b->span[d]];
         ends[n + d] = s->knots[d][b->span[d] + 1];
-        kn_extraction(matrices[d], s->knots[d], s->degree[d], b->span[d], ends[d], ends[n + d]);
-        matrix[d] = matrices[d];
+        kn_extraction(h->matrix[d], s->knots[d], s->degree[d], b->span[d], ends[d], ends[n + d]);
+        matrix[d] = h->matrix[d];
         b->lo[d] = 0.0, b->hi[d] = 1.0;
     }
     for (int c = 0; c < s->ncomp; c++, coef += h->cells.net.count) {
@@ -241,7 +242,7 @@ static kn_status search(kn_ctx *ctx, hunt *h)
             if (!(b.bound <= h->best + h->gap)) break;
             if (h->report.boxes >= h->options.max_boxes) break;
         }
-        if (h->report.boxes++ % 1024 == 1023) status = kn_progress(ctx, "closest point", 0.0);
+        if (++h->report.boxes % h->rhythm == 0) status = kn_progress(ctx, "closest point", 0.0);
         if (status == KN_OK) status = examine(ctx, h, &b);
     }
     h->lower = fmin(h->lower, h->best);
@@ -259,7 +260,8 @@ static int by_distance(const void *a, const void *b)
 
 // Candidates that are near the best and apart from one another: parameters that differ by 1e-6 of the domain, where
 // the square of the distance changes by about 1e-12.
-static kn_status answer(kn_ctx *ctx, hunt *h, const kn_spline *s, kn_closest **closest, size_t *count)
+static kn_status answer(kn_ctx *ctx, hunt *h, const kn_spline *s, const double *point, kn_closest **closest,
+                        size_t *count)
 {
     size_t n = 0;
     if (h->nlist == 0) return kn_fail(ctx, KN_EUNDECIDED, "closest: weights underflow");
@@ -282,6 +284,10 @@ static kn_status answer(kn_ctx *ctx, hunt *h, const kn_spline *s, kn_closest **c
         for (int d = 0; d < s->nvars; d++) out[i].at[d] = h->list[i].at[d];
         out[i].distance = h->list[i].distance;
         status = kn_spline_eval(ctx, out[i].point, s, out[i].at);
+        double sum = 0.0;
+        for (int c = 0; c < h->distance.dim; c++) sum += (out[i].point[c] - point[c]) * (out[i].point[c] - point[c]);
+        for (int c = 0; c < h->distance.dim && !(fabs(sqrt(sum) - out[i].distance) <= h->gap); c++)
+            out[i].point[c] = point[c] + h->list[i].from[c]; // at a jump, the other side
     }
     if (status == KN_OK) {
         *closest = out;
@@ -331,6 +337,12 @@ static kn_status prepare(kn_ctx *ctx, hunt *h)
     h->coef = kn_scratch(ctx, size, sizeof *h->coef);
     h->work = kn_scratch(ctx, room, sizeof *h->work);
     h->error = kn_scratch(ctx, (size_t)net.ncomp, sizeof *h->error);
+    h->rhythm = kn_net_rhythm((size_t)net.ncomp * net.count << net.nvars); // squares have twice the degrees
+    for (int d = 0; d < net.nvars; d++) {
+        size_t m = (size_t)net.degree[d] + 1;
+        h->matrix[d] = kn_scratch(ctx, m * m, sizeof *h->matrix[d]);
+        if (!h->matrix[d]) return KN_ENOMEM;
+    }
     if (!h->coef || !h->work || !h->error) return KN_ENOMEM;
     return kn_distance_init(ctx, &h->distance, &net, h->s->rational);
 }
@@ -360,7 +372,7 @@ kn_status kn_solve_closest(kn_ctx *ctx, kn_closest **closest, size_t *n, double 
     if (status == KN_OK) status = move(ctx, &h, &moved, s, point);
     if (status == KN_OK) status = prepare(ctx, &h);
     if (status == KN_OK) status = search(ctx, &h);
-    if (status == KN_OK) status = answer(ctx, &h, s, closest, n);
+    if (status == KN_OK) status = answer(ctx, &h, s, point, closest, n);
     if (status == KN_OK && lower) *lower = h.lower;
     if (status == KN_OK && report) *report = h.report;
     kn_cells_clear(ctx, &h.cells);

@@ -24,7 +24,7 @@ enum { SHALLOW = 4 };
 static kn_status run(kn_ctx *ctx, bool *settled, const kn_net *net, double *coef, double *error, int *level,
                      int depth, kn_box_test test, void *user)
 {
-    size_t size = (size_t)net->ncomp * net->count, m = (size_t)net->ncomp, done = 0;
+    size_t size = (size_t)net->ncomp * net->count, m = (size_t)net->ncomp, done = 0, rhythm = 4 * kn_net_rhythm(size);
     kn_status status = KN_OK;
     kn_verdict verdict = KN_DONE;
     level[0] = 0;
@@ -45,7 +45,7 @@ static kn_status run(kn_ctx *ctx, bool *settled, const kn_net *net, double *coef
             level[top] = ++level[top - 1];
             top++;
         }
-        if (done % 4096 == 4095) status = kn_progress(ctx, "dividing boxes", 0.0);
+        if ((done + 1) % rhythm == 0) status = kn_progress(ctx, "dividing boxes", 0.0);
     }
     if (verdict == KN_STOP) *settled = false;
     return status;

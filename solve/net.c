@@ -28,6 +28,12 @@ size_t kn_net_inner(const kn_net *net, int d)
     return kn_bernstein_count(net->nvars - d - 1, net->degree + d + 1);
 }
 
+size_t kn_net_rhythm(size_t coefficients)
+{
+    size_t boxes = ((size_t)1 << 17) / (coefficients + 1);
+    return boxes < 1 ? 1 : boxes > 1024 ? 1024 : boxes;
+}
+
 void kn_net_restrict(double *out, double *error, const kn_net *net, const double *in, const double *lo,
                      const double *hi, double *work)
 {

@@ -35,6 +35,8 @@ kn_net kn_net_make(int nvars, int ncomp, const int *degree);
 double kn_largest(const double *coef, size_t n);
 // Seen along variable d an array of `count` numbers is (outer, degree[d] + 1, inner), without components.
 size_t kn_net_inner(const kn_net *net, int d);
+// Boxes of this many coefficients between two reports of progress: some 10 ms of work.
+size_t kn_net_rhythm(size_t coefficients);
 // out = in over the box [lo,hi], over [0,1]^nvars again. in, out, work: ncomp * count numbers each, all different.
 // error[c] is raised by the rounding: gamma(5n + 2) times the largest coefficient for each variable, times
 // (1 + 2 reach)^n for boxes that reach beyond [0,1].

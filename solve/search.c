@@ -178,11 +178,12 @@ static kn_status one_generation(kn_ctx *ctx, kn_finder *f, const generation *now
                                 kn_solve_report *report)
 {
     kn_status status = KN_OK;
+    size_t rhythm = kn_net_rhythm((size_t)f->net.ncomp * f->net.count);
     for (size_t i = 0; i < now->count && status == KN_OK; i++) {
         kn_box b = now->box[i];
         kn_fate fate = KN_FATE_EMPTY;
         int var = -1;
-        if (report->boxes++ % 1024 == 1023)
+        if (++report->boxes % rhythm == 0)
             status = kn_progress(ctx, "zeros", fmin(1.0, (double)report->boxes / (double)f->options.max_boxes));
         if (status != KN_OK || known(f, &b)) continue;
         if (report->boxes > f->options.max_boxes) {

@@ -22,9 +22,9 @@ enum { KN_SOLVE_MAX_DEPTH = 1000 }; // halvings of one box, at most
 // out:    one answer; unchanged on failure. NaN among the coefficients gives "unknown".
 // fails:  KN_EDOMAIN, KN_ENOMEM, KN_ECANCELLED.
 // error:  none: a definite answer holds for the exact function.
-// cost:   one pass over the coefficients where that decides; at most 2^depth boxes. From the first box
-//         on that is undecided at the full depth, or whose coefficients differ by no more than their rounding, it
-//         looks for two different signs alone, 4 halvings deep.
+// cost:   one pass over the coefficients where that decides; at most 2^depth boxes. From the first box on that is
+//         undecided at the full depth, or whose coefficients differ by no more than their rounding, it looks for two
+//         different signs alone, 4 halvings deep.
 
 typedef enum kn_answer { KN_NO = -1, KN_UNKNOWN = 0, KN_YES = 1 } kn_answer;
 typedef enum kn_sign {
@@ -39,8 +39,8 @@ KN_API KN_CHECKED kn_status kn_solve_sign(kn_ctx *ctx, kn_sign *out, const kn_be
                                           const double *hi, int depth);
 // KN_YES: f, of any dimension, vanishes nowhere on the closed box: each box it was divided into has a plane through 0
 // with all coefficients on one side. KN_NO: it has a zero there (found for dimension 1, and where the first
-// coefficient of a box is exactly 0; kn_solve_zeros finds the others). source: the plane by Gilbert's iteration, An
-// iterative procedure for computing the minimum of a quadratic form on a
+// coefficient of a box is exactly 0; kn_solve_zeros finds the others).
+// source: the plane by Gilbert's iteration, An iterative procedure for computing the minimum of a quadratic form on a
 //         convex set, SIAM J. Control 4 (1966).
 KN_API KN_CHECKED kn_status kn_solve_nonzero(kn_ctx *ctx, kn_answer *out, const kn_bezier *f, const double *lo,
                                              const double *hi, int depth);
@@ -143,8 +143,8 @@ KN_API KN_CHECKED kn_status kn_solve_intersect_curves(kn_ctx *ctx, kn_root **roo
 // ---- closest points ----
 typedef struct kn_closest {
     double at[KN_MAX_VARS];    // parameters, in the domain
-    double point[KN_MAX_VARS]; // s(at)
-    double distance;           // |s(at) - point|
+    double point[KN_MAX_VARS]; // s(at); where s jumps there, of the side that is nearer
+    double distance;           // from there to the given point
 } kn_closest;
 
 // The points of s (1 to 3 variables, dimension 1 .. KN_MAX_VARS) that are closest to `point`, over the whole closed

@@ -108,6 +108,12 @@ static void small_ones(void **state)
     assert_int_equal(kn_solve_closest(ctx, &best, &n, &lower, NULL, &s, on, NULL), KN_OK); // point inversion
     assert_true(n == 1 && lower == 0.0 && best[0].distance < 1e-11 && fabs(best[0].at[0] - 0.625) < 1e-11);
     kn_free(ctx, best);
+    double jump[4] = {0, 1, 3, 4}, twice[6] = {0, 0, 0.5, 0.5, 1, 1},
+           beside = 1.25; // s leaves 1 at 1/2, and goes on from 3
+    kn_spline j = {.nvars = 1, .ncomp = 1, .degree = {1}, .count = {4}, .knots = {twice}, .coef = jump};
+    assert_int_equal(kn_solve_closest(ctx, &best, &n, &lower, NULL, &j, &beside, NULL), KN_OK);
+    assert_true(n == 1 && best[0].at[0] == 0.5 && best[0].distance == 0.25 && best[0].point[0] == 1.0);
+    kn_free(ctx, best);
     double x[CIRCLE], y[CIRCLE], w[CIRCLE], c[3 * CIRCLE], own[CIRCLE + 3];
     circle(x, y, w);
     memcpy(c, x, sizeof x);

@@ -427,6 +427,13 @@ static void failures(void **state)
     double same[8] = {0.0, -1.0, 1.0, 0.0, 0.0, -3.0, 3.0, 0.0};
     kn_bezier line = {.nvars = 2, .ncomp = 2, .degree = {1, 1}, .coef = same};
     assert_int_equal(kn_solve_zeros_bezier(ctx, &roots, &n, NULL, &line, 1, NULL), KN_ECANCELLED);
+    test_rng rng = test_random(58); // boxes of many coefficients ask more often than every thousandth time
+    kn_bezier large = {0};
+    assert_int_equal(kn_bezier_init(ctx, &large, 4, 4, false, (const int[]){6, 6, 6, 6}), KN_OK);
+    for (size_t i = 0; i < 4 * kn_bezier_count(&large); i++) large.coef[i] = test_uniform(&rng, -1.0, 1.0);
+    const kn_solve_options few = {.max_boxes = 300};
+    assert_int_equal(kn_solve_zeros_bezier(ctx, &roots, &n, NULL, &large, 1, &few), KN_ECANCELLED);
+    kn_bezier_clear(ctx, &large);
     kn_ctx_destroy(ctx);
 }
 
