@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The stages of batched evaluation in vectors of LANES doubles (2, 4 or 8), to be included once by a file that defines
-// LANES and TARGET, the attribute of the machines it is for. Only the sums of surfaces have code of their own: all
-// else is compiled once, for any degrees and numbers of variables and components.
+// The stages of batched evaluation in vectors of LANES doubles (2, 4 or 8), to be included once by a file that
+// defines LANES and TARGET, the attribute of the machines it is for. Only the sums of surfaces have code of their own:
+// all else is compiled once, for any degrees and numbers of variables and components.
 //
 // A block of points goes through: spans and local parameters, Bernstein polynomials (lanes are points), B-splines
 // (lanes are control points), sums (lanes are components). The last two need no gathers: a point's control points lie
@@ -38,8 +38,8 @@ INLINE void splat(vec *v, double x)
 #endif
 }
 
-// A point's B-splines in one variable, or Bernstein polynomials: n[k * step], derivatives g[k * step]. point: from one
-// point of the block to the next.
+// A point's B-splines in one variable, or Bernstein polynomials: n[k * step], derivatives g[k * step]. point: from
+// one point of the block to the next.
 typedef struct view {
     const double *n, *g;
     size_t step, point, stride;
@@ -527,13 +527,12 @@ TARGET static void points(double *out, const kn_eval_plan *plan, size_t npoints,
 {
     int vars = plan->nvars, dim = plan->ncomp - plan->rational;
     size_t each = (size_t)dim * (partials ? 1 + (size_t)vars : 1);
-    double
-        end[(KN_EVAL_BLOCK * (KN_MAX_VARS + 1) + 1) * KN_EVAL_VECTOR]; // for the last block, and what it has too much
+    double end[(KN_EVAL_BLOCK * (KN_MAX_VARS + 1) + 1) * KN_EVAL_VECTOR]; // for a block with too little behind it
     view v[KN_MAX_VARS];
     block b = {.plan = plan, .v = v, .dim = dim};
     for (int n; npoints > 0; npoints -= (size_t)n, at += n * vars, out += (size_t)n * each) {
         n = npoints < KN_EVAL_BLOCK ? (int)npoints : KN_EVAL_BLOCK;
-        bool aside = npoints <= KN_EVAL_BLOCK && plan->width == KN_EVAL_VECTOR;
+        bool aside = (npoints - (size_t)n) * each < KN_EVAL_VECTOR && plan->width == KN_EVAL_VECTOR;
         size_t offset[KN_EVAL_BLOCK] = {0};
         for (int d = 0; d < vars; d++) one_axis(&v[d], offset, &plan->axis[d], at + d, (size_t)vars, n, partials);
         b.n = n, b.offset = offset, b.out = aside ? end : out;

@@ -139,6 +139,25 @@ static void levels_agree_on_bezier(void **state)
     }
 }
 
+// Whole vectors are stored: batches that end anywhere in a block, and results of any width, have nothing behind them.
+static void no_room(void **state)
+{
+    (void)state;
+    test_memory memory = TEST_MEMORY_INIT;
+    kn_ctx *ctx = test_ctx(&memory, 1);
+    test_rng rng = test_random(5);
+    for (int nvars = 1; nvars <= 2; nvars++)
+        for (int ncomp = 1; ncomp <= 4; ncomp++) {
+            case_ c;
+            make(ctx, &c, &rng, nvars, ncomp, false, (int[]){3, 3}, (int[]){6, 5});
+            for (size_t n = 1; n < 6; n++) check_levels(&c.f, &rng, n);
+            for (size_t n = 62; n < 70; n++) check_levels(&c.f, &rng, n);
+            for (size_t n = 127; n < 132; n++) check_levels(&c.f, &rng, n);
+            kn_spline_clear(ctx, &c.s);
+        }
+    test_ctx_end(ctx, &memory);
+}
+
 // Knots whose spacing grows by powers of ten, and two clusters: the search in one bucket has to take many steps.
 static void uneven_knots(void **state)
 {
@@ -260,10 +279,10 @@ static void memory_failures(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(levels_agree),    cmocka_unit_test(levels_agree_on_bezier),
-        cmocka_unit_test(uneven_knots),    cmocka_unit_test(plain_is_right),
-        cmocka_unit_test(exact_values),    cmocka_unit_test(levels_have_names),
-        cmocka_unit_test(memory_failures),
+        cmocka_unit_test(levels_agree), cmocka_unit_test(levels_agree_on_bezier),
+        cmocka_unit_test(uneven_knots), cmocka_unit_test(plain_is_right),
+        cmocka_unit_test(exact_values), cmocka_unit_test(levels_have_names),
+        cmocka_unit_test(no_room),      cmocka_unit_test(memory_failures),
     };
     return cmocka_run_group_tests_name("kernel/eval", tests, NULL, NULL);
 }
