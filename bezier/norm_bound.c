@@ -7,6 +7,7 @@
 #include "kernel/bernstein.h"
 
 enum { MOST_PIECES = 512, MOST_DEPTH = 40 };
+static const double UNDERFLOW = 0x1p-1060; // some thousand operations whose results may be below the normal numbers
 
 typedef struct search {
     double radius, rounding, bound, least;
@@ -142,8 +143,8 @@ void kn_parts_add(kn_parts *rounding, double factor, const double *coef, size_t 
     size_t coordinates = n * (size_t)(ncomp - rational), all = n * (size_t)ncomp;
     double most[2] = {0.0, 0.0};
     for (size_t i = 0; i < all; i++) most[i >= coordinates] = fmax(most[i >= coordinates], fabs(coef[i]));
-    rounding->coordinate = kn_round_up(rounding->coordinate + factor * most[0]);
-    rounding->weight = kn_round_up(rounding->weight + factor * most[1]);
+    rounding->coordinate = kn_round_up(rounding->coordinate + factor * most[0] + (most[0] > 0.0 ? UNDERFLOW : 0.0));
+    rounding->weight = kn_round_up(rounding->weight + factor * most[1] + (most[1] > 0.0 ? UNDERFLOW : 0.0));
 }
 
 // e = x - dw C: what x and dw are wrong by, and R dw. Twice, because e may have been mapped further.
@@ -152,5 +153,6 @@ double kn_deviation_bound(const kn_deviation *v, double bound, const kn_parts *r
     double each = rounding->coordinate * sqrt(ncomp) + 2.0 * v->extra;
     if (v->radius >= 0.0) each += 2.0 * rounding->weight * (v->length + v->radius);
     double sum = kn_round_up((bound + kn_round_up(each)) / v->weight);
+    if (each > 0.0) sum = nextafter(sum, INFINITY); // the quotient may underflow
     return isnan(sum) ? INFINITY : sum;
 }

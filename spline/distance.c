@@ -10,7 +10,8 @@
 #include "spline/removal.h"
 #include "kernel/context.h"
 
-enum { SLACK = 32 }; // roundings of the bound's own arithmetic, generously
+enum { SLACK = 32 };                       // roundings of the bound's own arithmetic, generously
+static const double UNDERFLOW = 0x1p-1060; // what combinations of numbers below the normal ones lose
 
 static double gamma_of(int n)
 {
@@ -63,13 +64,14 @@ static double distance(const kn_rows *f, const frame *ball, const double *c, con
     double x[KN_MAX_COMPS] = {0}, own = 1.0 + gamma_of(SLACK + 2 * f->ncomp);
     int dim = f->ncomp - f->rational;
     for (int k = 0; k < f->ncomp; k++) x[k] = c[k] - d[k];
-    if (!f->rational) return (norm(x, dim) + rounding * large[0]) * own;
+    double lost = rounding > 0.0 ? UNDERFLOW : 0.0;
+    if (!f->rational) return (norm(x, dim) + rounding * large[0] + lost) * own;
     double w = c[dim], dw = fabs(x[dim]);
     if (!(w > 0.0)) return INFINITY;
     double moved = 4 * 0x1p-53 * (norm(x, dim) + dw * ball->length);
     for (int k = 0; k < dim; k++) x[k] -= x[dim] * ball->center[k];
     double sum = norm(x, dim) + moved + dw * ball->radius;
-    return (sum + rounding * (large[0] + large[1] * (ball->length + ball->radius))) / w * own;
+    return (sum + rounding * (large[0] + large[1] * (ball->length + ball->radius)) + lost) / w * own;
 }
 
 // large[2 * i], large[2 * i + 1]: norm of the point and its weight, for all points of g.

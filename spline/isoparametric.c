@@ -3,8 +3,6 @@
 #include "spline/internal.h"
 #include "kernel/context.h"
 
-#include <string.h>
-
 // A map to one row: c(..) = sum_k N_k(at) c(.., first + k, ..), terms with N_k = 0 left out.
 static void contract(double *to, const kn_spline *a, int var, double at)
 {
@@ -21,16 +19,16 @@ kn_status kn_spline_isoparametric(kn_ctx *ctx, kn_spline *out, const kn_spline *
     if (status != KN_OK) return status;
     if (a->nvars == 1)
         return kn_fail(ctx, KN_EDOMAIN, "spline_isoparametric: a curve; its points come from kn_spline_eval");
-    kn_spline s = {0};
-    int degree[KN_MAX_VARS], count[KN_MAX_VARS], n = 0, from[KN_MAX_VARS];
-    for (int d = 0; d < a->nvars; d++)
-        if (d != var) degree[n] = a->degree[d], count[n] = a->count[d], from[n++] = d;
-    status = kn_spline_alloc(ctx, &s, n, a->ncomp, a->rational, degree, count);
-    if (status != KN_OK) return status;
-    for (int d = 0; d < n; d++)
-        memcpy(s.knots[d], a->knots[from[d]], ((size_t)count[d] + (size_t)degree[d] + 1) * sizeof(double));
-    contract(s.coef, a, var, at);
-    kn_spline_swap(out, &s); // last: out may be a
-    kn_spline_clear(ctx, &s);
-    return KN_OK;
+    kn_spline s = {.nvars = a->nvars - 1, .ncomp = a->ncomp, .rational = a->rational};
+    for (int d = 0, n = 0; d < a->nvars; d++)
+        if (d != var) s.degree[n] = a->degree[d], s.count[n] = a->count[d], s.knots[n++] = a->knots[d];
+    kn_mark mark = kn_scratch_mark(ctx);
+    s.coef = kn_scratch(ctx, kn_spline_count(&s) * (size_t)s.ncomp, sizeof *s.coef);
+    status = s.coef ? KN_OK : KN_ENOMEM;
+    if (status == KN_OK) {
+        contract(s.coef, a, var, at);
+        status = kn_spline_store(ctx, out, &s); // last: out may be a
+    }
+    kn_scratch_release(ctx, mark);
+    return status;
 }

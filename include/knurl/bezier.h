@@ -202,8 +202,8 @@ KN_API KN_CHECKED kn_status kn_bezier_least_degree(kn_ctx *ctx, int *degree, con
 //         undone, bit for bit when it was exact. Others become the nearest in the sense of least squares of
 //         coefficients, with both ends kept bit for bit (in a variable that keeps a degree >= 1): faces depend on
 //         faces, and neighbours still meet. *error >= |out - a| (Euclidean norm of values) over [0,1]^nvars, rounding
-//         included; 0 only when out is a exactly; INFINITY when a coefficient is not finite, or a weight of a or out
-//         not positive. NULL: not wanted.
+//         included; 0 only when out is a exactly, as when no degree falls; else INFINITY when a coefficient is not
+//         finite, or a weight of a or out not positive. NULL: not wanted.
 // fails:  KN_EDOMAIN degree.
 // error:  *error: at most 1.25 times the largest distance, where halving the difference some hundred times shows
 //         that, and rounding; with weights also (max |out - center| max |dw|) / min w.

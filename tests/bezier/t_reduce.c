@@ -256,16 +256,36 @@ static void little_memory(void **state)
     test_allocation_failures(in_little_memory, NULL);
 }
 
+// x^2 times the smallest number, whose half is rounded to 0: the distance from the line is not. A number that is none
+// has a distance where something is left out, and none where nothing is.
+static void ends_of_the_range(void **state)
+{
+    (void)state;
+    test_memory memory = TEST_MEMORY_INIT;
+    kn_ctx *ctx = test_ctx(&memory, 1);
+    kn_bezier a, low = {0};
+    double error = -1;
+    assert_int_equal(kn_bezier_init(ctx, &a, 1, 1, false, (int[]){2}), KN_OK);
+    a.coef[2] = 0x1p-1074;
+    assert_int_equal(kn_bezier_reduce(ctx, &low, &error, &a, (int[]){1}), KN_OK);
+    assert_true(error > 0 && error < 0x1p-1050);
+    a.coef[2] = NAN;
+    assert_int_equal(kn_bezier_reduce(ctx, &low, &error, &a, (int[]){1}), KN_OK);
+    assert_true(isinf(error));
+    assert_int_equal(kn_bezier_reduce(ctx, &low, &error, &a, (int[]){2}), KN_OK);
+    assert_true(error == 0);
+    kn_bezier_clear(ctx, &a);
+    kn_bezier_clear(ctx, &low);
+    test_ctx_end(ctx, &memory);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(elevation_is_undone),
-        cmocka_unit_test(by_hand),
-        cmocka_unit_test(bounds_hold_and_are_tight),
-        cmocka_unit_test(near_the_best),
-        cmocka_unit_test(refusals),
-        cmocka_unit_test(highest_degree),
-        cmocka_unit_test(little_memory),
+        cmocka_unit_test(ends_of_the_range), cmocka_unit_test(elevation_is_undone),
+        cmocka_unit_test(by_hand),           cmocka_unit_test(bounds_hold_and_are_tight),
+        cmocka_unit_test(near_the_best),     cmocka_unit_test(refusals),
+        cmocka_unit_test(highest_degree),    cmocka_unit_test(little_memory),
     };
     return cmocka_run_group_tests_name("bezier/reduce", tests, NULL, NULL);
 }

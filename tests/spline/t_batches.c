@@ -35,7 +35,9 @@ static void exact(void **state)
     kn_spline c = {0};
     assert_int_equal(kn_spline_isoparametric(ctx, &c, &s, 0, 0.5), KN_OK); // v / 4
     assert_true(c.nvars == 1 && c.count[0] == 2 && c.coef[0] == 0 && c.coef[1] == 0.25);
+    size_t before = kn_ctx_counters(ctx).allocations;                    // c has the right size by now
     assert_int_equal(kn_spline_isoparametric(ctx, &c, &s, 0, 2), KN_OK); // the end: bit for bit
+    assert_int_equal(kn_ctx_counters(ctx).allocations, before);
     assert_true(c.coef[0] == 0 && c.coef[1] == 4);
     assert_int_equal(kn_spline_isoparametric(ctx, &s, &s, 1, 1), KN_OK); // in place: u^2
     assert_true(s.nvars == 1 && s.count[0] == 4 && memcmp(s.coef, (double[]){0, 0, 2, 4}, 32) == 0);
