@@ -12,7 +12,16 @@
 #include <sisl.h>
 #endif
 
-enum { COUNT = 20, DEGREE = 3, DIM = 3, KNOTS = COUNT + DEGREE + 1, POINTS = 100000, GRID = 200, RIVALS = 8 };
+enum {
+    COUNT = 20,
+    DEGREE = 3,
+    DIM = 3,
+    KNOTS = COUNT + DEGREE + 1,
+    FEW = 10000,
+    POINTS = 100000,
+    GRID = 200,
+    RIVALS = 8
+};
 
 // What one point costs, whoever computes it well. Values: per variable 15 for the Bernstein polynomials and 28 for the
 // B-splines; 16 products, 12 sums, 4 products and 3 sums for each component. With partials: twice the B-splines and
@@ -24,6 +33,7 @@ typedef struct data {
     kn_spline s;
     double knots[KNOTS], *at, *out, *memory, grid[GRID];
     bool partials; // what the batched kernels are asked for
+    size_t npoints;
     kn_eval_function f;
     const double *axes[2];
     kn_eval_plan plan;
@@ -42,25 +52,25 @@ typedef struct at_level {
 static void planned(void *user)
 {
     at_level *a = user;
-    kn_eval_planned(a->d->out, &a->d->plan, POINTS, a->d->at, a->d->partials, a->level);
+    kn_eval_planned(a->d->out, &a->d->plan, a->d->npoints, a->d->at, a->d->partials, a->level);
 }
 
 static void plain(void *user)
 {
     data *d = user;
-    kn_eval_plain(d->out, &d->f, POINTS, d->at, d->partials);
+    kn_eval_plain(d->out, &d->f, d->npoints, d->at, d->partials);
 }
 
 static void batch(void *user)
 {
     data *d = user;
-    if (kn_spline_eval_batch(d->ctx, d->out, &d->s, POINTS, d->at) != KN_OK) d->failed = true;
+    if (kn_spline_eval_batch(d->ctx, d->out, &d->s, d->npoints, d->at) != KN_OK) d->failed = true;
 }
 
 static void batch_partials(void *user)
 {
     data *d = user;
-    if (kn_spline_eval_batch_partials(d->ctx, d->out, &d->s, POINTS, d->at) != KN_OK) d->failed = true;
+    if (kn_spline_eval_batch_partials(d->ctx, d->out, &d->s, d->npoints, d->at) != KN_OK) d->failed = true;
 }
 
 static void on_grid(void *user)
@@ -74,7 +84,7 @@ static void on_grid(void *user)
 static void one_by_one(void *user)
 {
     data *d = user;
-    for (size_t i = 0; i < POINTS; i++)
+    for (size_t i = 0; i < d->npoints; i++)
         if (kn_spline_eval(d->ctx, d->out + DIM * i, &d->s, d->at + 2 * i) != KN_OK) d->failed = true;
 }
 
@@ -84,7 +94,7 @@ static void sisl(void *user)
     data *d = user;
     double normal[3];
     int left_u = 0, left_v = 0, status = 0;
-    for (size_t i = 0; i < POINTS; i++) {
+    for (size_t i = 0; i < d->npoints; i++) {
         s1421(d->surface, 0, d->at + 2 * i, &left_u, &left_v, d->out + DIM * i, normal, &status);
         if (status < 0) d->failed = true;
     }
@@ -95,7 +105,7 @@ static void sisl_partials(void *user)
     data *d = user;
     double normal[3];
     int left_u = 0, left_v = 0, status = 0;
-    for (size_t i = 0; i < POINTS; i++) {
+    for (size_t i = 0; i < d->npoints; i++) {
         s1421(d->surface, 1, d->at + 2 * i, &left_u, &left_v, d->out + 3 * DIM * i, normal, &status);
         if (status < 0) d->failed = true;
     }
@@ -208,7 +218,9 @@ static void values(data *d, bool has_sisl)
     n = add_levels(rivals, n, levels, d);
     rivals[n++] = (bench_rival){"kn_spline_eval_batch", batch, d, 0, 0};
     bench_compare(rivals, n, BENCH_THREAD);
-    print("values at 100000 random points", rivals, n, has_sisl, POINTS, FLOPS, 2 + DIM);
+    char title[64];
+    snprintf(title, sizeof title, "values at %zu random points", d->npoints);
+    print(title, rivals, n, has_sisl, (double)d->npoints, FLOPS, 2 + DIM);
 }
 
 static void partials(data *d, bool has_sisl)
@@ -223,8 +235,9 @@ static void partials(data *d, bool has_sisl)
     n = add_levels(rivals, n, levels, d);
     rivals[n++] = (bench_rival){"kn_spline_eval_batch_partials", batch_partials, d, 0, 0};
     bench_compare(rivals, n, BENCH_THREAD);
-    print("values and first partials at 100000 random points", rivals, n, has_sisl, POINTS, FLOPS_PARTIALS,
-          2 + 3 * DIM);
+    char title[64];
+    snprintf(title, sizeof title, "values and first partials at %zu random points", d->npoints);
+    print(title, rivals, n, has_sisl, (double)d->npoints, FLOPS_PARTIALS, 2 + 3 * DIM);
     d->partials = false;
 }
 
@@ -256,8 +269,12 @@ int main(void)
         "time\n\n",
         COUNT, COUNT, DIM, kn_eval_level_name(kn_eval_best()), BENCH_ROUNDS);
     if (!has_sisl) printf("SISL: not built in (libsisl-dev), no ratio to it\n");
-    values(&d, has_sisl);
-    partials(&d, has_sisl);
+    const size_t npoints[] = {FEW, POINTS}; // in the second-level cache, and beyond it
+    for (int i = 0; i < 2; i++) {
+        d.npoints = npoints[i];
+        values(&d, has_sisl);
+        partials(&d, has_sisl);
+    }
     grid(&d, has_sisl);
     clear(&d);
     return d.failed;
