@@ -33,31 +33,14 @@ kn_status kn_construct_operand(kn_ctx *ctx, const char *call, kn_spline *to, con
 
 kn_status kn_construct_unite(kn_ctx *ctx, const char *call, kn_spline *s, const int *var, int n, int least)
 {
-    int degree = least;
     double lo, hi, a, b;
     kn_spline_domain(&s[0], var[0], &lo, &hi);
     for (int i = 0; i < n; i++) {
         kn_spline_domain(&s[i], var[i], &a, &b);
         if (a != lo || b != hi)
             return kn_fail(ctx, KN_EDOMAIN, "%s: domains [%g, %g] and [%g, %g]", call, lo, hi, a, b);
-        degree = s[i].degree[var[i]] > degree ? s[i].degree[var[i]] : degree;
     }
-    kn_status status = KN_OK;
-    for (int i = 0; i < n && status == KN_OK; i++) status = kn_spline_elevate_in_scratch(ctx, &s[i], var[i], degree);
-    if (status != KN_OK) return status;
-    const double *all = s[0].knots[var[0]];
-    int nall = s[0].count[var[0]] + degree + 1;
-    for (int i = 1; i < n; i++) {
-        const double *own = s[i].knots[var[i]];
-        int have = s[i].count[var[i]] + degree + 1, total = kn_knots_union(NULL, all, nall, own, have);
-        if (total == nall) continue;
-        double *more = kn_scratch(ctx, (size_t)total, sizeof *more);
-        if (!more) return KN_ENOMEM;
-        kn_knots_union(more, all, nall, own, have);
-        all = more, nall = total;
-    }
-    for (int i = 0; i < n && status == KN_OK; i++) status = kn_spline_unite_in_scratch(ctx, &s[i], var[i], all, nall);
-    return status;
+    return kn_spline_unite_all_in_scratch(ctx, s, var, n, least);
 }
 
 kn_status kn_construct_compatible(kn_ctx *ctx, const char *call, kn_spline *s, const kn_spline *list, int n)

@@ -11,8 +11,7 @@ kn_status kn_construct_finite(kn_ctx *ctx, const char *call, const double *x, in
 // ---- operands: splines whose arrays are borrowed or lie in scratch ----
 // *to = a with a weight of 1 when rational is wanted and a is not; its arrays are a's own, or in scratch.
 kn_status kn_construct_operand(kn_ctx *ctx, const char *call, kn_spline *to, const kn_spline *a, bool rational);
-// Variable var[i] of s[i], the same for all, gets one degree, at least `least`, and the union of all knots.
-// fails:  KN_EDOMAIN domains differ.
+// kn_spline_unite_all_in_scratch, when the domains agree (else KN_EDOMAIN).
 kn_status kn_construct_unite(kn_ctx *ctx, const char *call, kn_spline *s, const int *var, int n, int least);
 // s[0 .. n-1] = list[..] as operands of one dimension over the same variables and domains, on one grid.
 kn_status kn_construct_compatible(kn_ctx *ctx, const char *call, kn_spline *s, const kn_spline *list, int n);
@@ -41,6 +40,8 @@ kn_status kn_construct_frame(kn_ctx *ctx, const char *call, double x[3], double 
                              const double z[3]);
 double kn_construct_dot(const double a[3], const double b[3]);
 void kn_construct_cross(double out[3], const double a[3], const double b[3]);
+// False for zero and what is not finite. Scaled by the largest component: squares neither over- nor underflow.
+bool kn_construct_normalize(double unit[3], const double v[3]);
 
 // A profile in the half-plane: homogeneous distance from the axis rho, height z (in units of up), weight.
 typedef struct kn_profile {

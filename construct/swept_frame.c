@@ -13,15 +13,8 @@ static const char call[] = "construct_swept_frame";
 typedef struct frame {
     kn_ctx *ctx;
     const kn_spline *trajectory;
-    const double *up;
+    double up[3]; // of length 1
 } frame;
-
-static bool to_unit(double v[3])
-{
-    double length = sqrt(kn_construct_dot(v, v));
-    for (int c = 0; c < 3 && length > 0.0; c++) v[c] /= length;
-    return length > 0.0 && isfinite(length);
-}
 
 // value[3 r + c]: row r, column c of M, whose columns are n, b, t.
 static kn_status frame_at(void *user, double *value, const double *at)
@@ -31,10 +24,10 @@ static kn_status frame_at(void *user, double *value, const double *at)
     kn_status status = kn_spline_derivatives(f->ctx, d, f->trajectory, at, 1);
     if (status != KN_OK) return status;
     for (int c = 0; c < 3; c++) t[c] = d[3 + c];
-    if (!to_unit(t)) return kn_fail(f->ctx, KN_EUNDEFINED, "%s: no tangent at %g", call, at[0]);
-    double size = sqrt(kn_construct_dot(f->up, f->up)), along = kn_construct_dot(f->up, t);
+    if (!kn_construct_normalize(t, t)) return kn_fail(f->ctx, KN_EUNDEFINED, "%s: no tangent at %g", call, at[0]);
+    double along = kn_construct_dot(f->up, t);
     for (int c = 0; c < 3; c++) b[c] = f->up[c] - along * t[c];
-    if (!(sqrt(kn_construct_dot(b, b)) > 1e-8 * size) || !to_unit(b)) // else b has no correct digits
+    if (!(sqrt(kn_construct_dot(b, b)) > 1e-8) || !kn_construct_normalize(b, b)) // else b has no correct digits
         return kn_fail(f->ctx, KN_EUNDEFINED, "%s: the tangent at %g is parallel to up", call, at[0]);
     kn_construct_cross(n, b, t);
     for (int r = 0; r < 3; r++) value[3 * r] = n[r], value[3 * r + 1] = b[r], value[3 * r + 2] = t[r];
@@ -117,7 +110,8 @@ kn_status kn_construct_swept_frame(kn_ctx *ctx, kn_spline *out, double *estimate
     kn_status status = check(ctx, profile, trajectory, up, tolerance);
     if (status == KN_OK) status = profile_size(ctx, &size, profile);
     if (status != KN_OK) return status;
-    frame f = {ctx, trajectory, up};
+    frame f = {.ctx = ctx, .trajectory = trajectory};
+    if (!kn_construct_normalize(f.up, up)) return kn_fail(ctx, KN_EUNDEFINED, "%s: up is zero", call);
     kn_spline m = {0};
     kn_spline_domain(trajectory, 0, &lo, &hi);
     status = kn_fit_to_tolerance(ctx, &m, &found, 1, 9, (const int[]){3}, &lo, &hi, frame_at, &f,

@@ -41,14 +41,13 @@ void kn_construct_cross(double out[3], const double a[3], const double b[3])
     memcpy(out, c, sizeof c);
 }
 
-// False for zero. Scaled by the largest component, so that squares neither over- nor underflow.
-static bool normalize(double unit[3], const double v[3])
+bool kn_construct_normalize(double unit[3], const double v[3])
 {
     double largest = fmax(fabs(v[0]), fmax(fabs(v[1]), fabs(v[2])));
-    if (!(largest > 0.0)) return false;
+    if (!(largest > 0.0 && isfinite(largest))) return false;
     double t[3] = {v[0] / largest, v[1] / largest, v[2] / largest}, length = sqrt(kn_construct_dot(t, t));
     for (int c = 0; c < 3; c++) unit[c] = t[c] / length;
-    return true;
+    return length > 0.0; // false for NaN, too
 }
 
 kn_status kn_construct_frame(kn_ctx *ctx, const char *call, double x[3], double y[3], double unit[3],
@@ -56,14 +55,14 @@ kn_status kn_construct_frame(kn_ctx *ctx, const char *call, double x[3], double 
 {
     kn_status status = kn_construct_finite(ctx, call, z, 3);
     if (status != KN_OK) return status;
-    if (!normalize(unit, z)) return kn_fail(ctx, KN_EUNDEFINED, "%s: an axis without direction", call);
+    if (!kn_construct_normalize(unit, z)) return kn_fail(ctx, KN_EUNDEFINED, "%s: an axis without direction", call);
     int least = 0;
     for (int c = 1; c < 3; c++)
         if (fabs(unit[c]) < fabs(unit[least])) least = c;
     double e[3] = {0.0, 0.0, 0.0};
     e[least] = 1.0;
     kn_construct_cross(y, unit, e);
-    (void)normalize(y, y);
+    (void)kn_construct_normalize(y, y);
     kn_construct_cross(x, y, unit);
     return KN_OK;
 }

@@ -103,6 +103,28 @@ kn_status kn_spline_unite_in_scratch(kn_ctx *ctx, kn_spline *s, int var, const d
     return kn_spline_refine_in_scratch(ctx, s, var, to, total - p - 1);
 }
 
+kn_status kn_spline_unite_all_in_scratch(kn_ctx *ctx, kn_spline *s, const int *var, int n, int least)
+{
+    int degree = least;
+    for (int i = 0; i < n; i++) degree = s[i].degree[var[i]] > degree ? s[i].degree[var[i]] : degree;
+    kn_status status = KN_OK;
+    for (int i = 0; i < n && status == KN_OK; i++) status = kn_spline_elevate_in_scratch(ctx, &s[i], var[i], degree);
+    if (status != KN_OK) return status;
+    const double *all = s[0].knots[var[0]];
+    int nall = s[0].count[var[0]] + degree + 1;
+    for (int i = 1; i < n; i++) {
+        const double *own = s[i].knots[var[i]];
+        int have = s[i].count[var[i]] + degree + 1, total = kn_knots_union(NULL, all, nall, own, have);
+        if (total == nall) continue;
+        double *more = kn_scratch(ctx, (size_t)total, sizeof *more);
+        if (!more) return KN_ENOMEM;
+        kn_knots_union(more, all, nall, own, have);
+        all = more, nall = total;
+    }
+    for (int i = 0; i < n && status == KN_OK; i++) status = kn_spline_unite_in_scratch(ctx, &s[i], var[i], all, nall);
+    return status;
+}
+
 static bool same_sizes(const kn_spline *a, const kn_spline *b)
 {
     if (a->nvars != b->nvars || a->ncomp != b->ncomp) return false;

@@ -16,29 +16,6 @@ static kn_status check(kn_ctx *ctx, const kn_spline *list, int n)
     return KN_OK;
 }
 
-// All of s get the highest degree in variable var, then the union of their knots.
-static kn_status unite(kn_ctx *ctx, kn_spline *s, int n, int var)
-{
-    int degree = 0, nall;
-    for (int i = 0; i < n; i++) degree = s[i].degree[var] > degree ? s[i].degree[var] : degree;
-    kn_status status = KN_OK;
-    for (int i = 0; i < n && status == KN_OK; i++) status = kn_spline_elevate_in_scratch(ctx, &s[i], var, degree);
-    if (status != KN_OK) return status;
-    double *all = s[0].knots[var];
-    nall = s[0].count[var] + degree + 1;
-    for (int i = 1; i < n; i++) {
-        int have = s[i].count[var] + degree + 1, total;
-        total = kn_knots_union(NULL, all, nall, s[i].knots[var], have);
-        if (total == nall) continue;
-        double *more = kn_scratch(ctx, (size_t)total, sizeof *more);
-        if (!more) return KN_ENOMEM;
-        kn_knots_union(more, all, nall, s[i].knots[var], have);
-        all = more, nall = total;
-    }
-    for (int i = 0; i < n && status == KN_OK; i++) status = kn_spline_unite_in_scratch(ctx, &s[i], var, all, nall);
-    return status;
-}
-
 // Those that changed; the others still have their operand's arrays.
 static kn_status store_changed(kn_ctx *ctx, kn_spline *list, kn_spline *s, kn_spline **outs, int n)
 {
@@ -55,10 +32,14 @@ kn_status kn_spline_make_compatible(kn_ctx *ctx, kn_spline *list, int n)
     kn_mark mark = kn_scratch_mark(ctx);
     kn_spline *s = kn_scratch(ctx, (size_t)n, sizeof *s);
     kn_spline **outs = s ? kn_scratch(ctx, (size_t)n, sizeof(void *)) : NULL;
-    status = outs ? KN_OK : KN_ENOMEM;
+    int *var = outs ? kn_scratch(ctx, (size_t)n, sizeof *var) : NULL;
+    status = var ? KN_OK : KN_ENOMEM;
     if (status == KN_OK) {
         memcpy(s, list, (size_t)n * sizeof *s);
-        for (int d = list->nvars - 1; d >= 0 && status == KN_OK; d--) status = unite(ctx, s, n, d);
+        for (int d = list->nvars - 1; d >= 0 && status == KN_OK; d--) {
+            for (int i = 0; i < n; i++) var[i] = d;
+            status = kn_spline_unite_all_in_scratch(ctx, s, var, n, 0);
+        }
         if (status == KN_OK) status = store_changed(ctx, list, s, outs, n);
     }
     kn_scratch_release(ctx, mark);

@@ -42,6 +42,7 @@ static void lines(void **state)
     for (int i = 0; i < 10; i++) assert_true(s.coef[i % 2 * 5 + i / 2] == points[i]);
     const double bad[] = {0, NAN};
     assert_int_equal(kn_construct_line(ctx, &s, 0, a, b), KN_EDOMAIN);
+    assert_int_equal(kn_construct_line(ctx, &s, KN_MAX_COMPS + 1, a, b), KN_ELIMIT);
     assert_int_equal(kn_construct_line(ctx, &s, 1, &bad[0], &bad[1]), KN_EDOMAIN);
     assert_int_equal(kn_construct_polyline(ctx, &s, 2, 1, points), KN_EDOMAIN);
     assert_int_equal(kn_construct_polyline(ctx, &s, 0, 3, points), KN_EDOMAIN);

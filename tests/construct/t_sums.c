@@ -139,6 +139,15 @@ static void swept_frame(void **state)
     kn_spline_clear(ctx, &t);
     assert_int_equal(kn_construct_line(ctx, &t, 3, none, x), KN_OK);
     assert_int_equal(kn_construct_swept_frame(ctx, &s, &estimate, &p, &t, up, 1e-9), KN_OK);
+    size_t n = kn_spline_count(&s) * 3; // only the direction of up counts: the same bits for any length
+    double *same = test_malloc(n * sizeof *same);
+    memcpy(same, s.coef, n * sizeof *same);
+    for (int power = -1000; power <= 1000; power += 400) {
+        const double length = ldexp(1.0, power), scaled[3] = {up[0] * length, up[1] * length, up[2] * length};
+        assert_int_equal(kn_construct_swept_frame(ctx, &s, &estimate, &p, &t, scaled, 1e-9), KN_OK);
+        assert_memory_equal(s.coef, same, n * sizeof *same);
+    }
+    test_free(same);
     assert_true(estimate <= gamma_of(100) * 8);
     assert_int_equal(kn_spline_spans(&s, 1), 1);
     kn_spline_clear(ctx, &p);
