@@ -129,8 +129,11 @@ KN_API KN_CHECKED kn_status kn_spline_scale(kn_ctx *ctx, kn_spline *out, const k
 // out:    degrees p + q; a knot that a has m times (0: not at all) and b has n times stays
 //         p + q - min(p - m, q - n) times, the least that the product's continuity allows (a missing knot: no limit).
 // fails:  KN_EDOMAIN dimensions differ and neither is 1.
-// error:  J gamma(T + 3 nvars + sum_d (12 (p_d + q_d) + 3)) max |a| max |b|, T terms in a coefficient's sum, J the
-//         growth on the way back to few knots (kn_spline_from_bezier).
+// error:  gamma(L + 3 nvars + sum_d (6 (u_d + v_d + x_d) + 3)) S_k, L as for kn_bezier_product. c_k is taken from one
+//         piece (kn_spline_from_bezier): u_d <= p_d and v_d <= q_d knots are new for a coefficient of a's and b's
+//         piece there, x_d arguments of c_k are no ends of it (6 y + 1 is 0 for y = 0). S_k: |a| * |b| on that piece,
+//         its Bernstein coefficients weighted by the blossom's factors in absolute value, at most J max |a| max |b|,
+//         J the growth on the way back to few knots.
 // cost:   for each box of the merged knots that of kn_bezier_product; one banded map an axis to the pieces of each
 //         operand and back from those of the result, all in scratch.
 // source: by Bezier pieces; the knots: Morken, Some identities for products and degree raising of splines, Constr.
@@ -142,8 +145,8 @@ KN_API KN_CHECKED kn_status kn_spline_dot(kn_ctx *ctx, kn_spline *out, const kn_
 KN_API KN_CHECKED kn_status kn_spline_cross(kn_ctx *ctx, kn_spline *out, const kn_spline *a, const kn_spline *b);
 // out = det(a, b, c) = a . (b x c), of dimension 1; all three of dimension 3 (else KN_EDOMAIN). Weights multiply.
 // out:    degrees p + q + r; knots by the roughest operand at each, as for a product.
-// error:  6 J gamma(T + T' + 4 nvars + sum_d (12 (p_d + q_d + r_d) + 4)) max |a| max |b| max |c|, T and T' as for
-//         kn_bezier_determinant.
+// error:  gamma(L + L' + 4 nvars + sum_d (6 (u_d + v_d + w_d + x_d) + 4)) S_k, L and L' as for
+//         kn_bezier_determinant, all else as for a product: S_k from the six |a_i| * |b_j| * |c_k|.
 KN_API KN_CHECKED kn_status kn_spline_determinant(kn_ctx *ctx, kn_spline *out, const kn_spline *a, const kn_spline *b,
                                                   const kn_spline *c);
 // out = the partial derivative of a in variable var.
@@ -314,9 +317,9 @@ KN_API KN_CHECKED kn_status kn_spline_to_bezier(kn_ctx *ctx, kn_bezier **pieces,
 //         one whose weights have the smallest sum of absolute values, the lowest of equals; that the others agree is
 //         not checked. Coefficients that one piece has already are copied bit for bit.
 // fails:  KN_EDOMAIN shapes differ, breaks, continuity; KN_ELIMIT.
-// error:  in each variable gamma(6 p + 1) J max |c|, and errors of the pieces grow by J, the largest such sum. On
-//         equal spans J = 1 at continuity 0 and for C1 quadratics, 3 for C2 cubics, 9 and 45 for quartics and
-//         quintics of the highest continuity; it grows with uneven spans.
+// error:  in each variable gamma(6 p + 1) J max |c|, J with the factors' absolute values, and errors of the pieces grow
+//         by J, the largest such sum. On equal spans J = 1 at continuity 0 and for C1 quadratics, 3 for C2 cubics, 9
+//         and 45 for quartics and quintics of the highest continuity; it grows with uneven spans.
 KN_API KN_CHECKED kn_status kn_spline_from_bezier(kn_ctx *ctx, kn_spline *out, const kn_bezier *pieces,
                                                   const int *nbreaks, const double *const *breaks,
                                                   const int *continuity);

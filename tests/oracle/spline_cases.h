@@ -31,4 +31,18 @@ typedef struct spline_sum {
 void spline_judge_sum(spline_world *w, exact_judge_t *judge, const kn_spline *r, spline_sum f, const int *roundings,
                       int all);
 
+// Sums of products of components; comp == kn_spline_dim of a spline: its weight, or 1.
+typedef struct spline_term {
+    double sign;
+    const kn_spline *s[3]; // NULL: 1
+    int comp[3];
+} spline_term;
+// Judges component comp of r, made by pieces: the sum of the terms, against gamma(roundings, and those of the maps to
+// the piece and back) times the sum with absolute values on the piece that a coefficient is taken from, weighted by the
+// absolute values of the factors of its blossom.
+void spline_judge_terms(spline_world *w, exact_judge_t *judge, const kn_spline *r, int comp, const spline_term *terms,
+                        int nterms, int roundings);
+// That weighting for any f; the pieces of f have degrees not above r's.
+void spline_join_sizes(exact *out, const kn_spline *r, exact_piece f, void *user);
+
 #endif
