@@ -175,7 +175,7 @@ KN_API KN_CHECKED kn_status kn_bezier_gradient(kn_ctx *ctx, kn_bezier *out, cons
 // fails:  KN_EDOMAIN dim is not nvars; KN_ELIMIT doubled degrees.
 // error:  polynomial: gamma(nvars + 2) times the sum of those of the gradient. rational, D the absolute values of the
 //         numerator's differences, raised to a's degrees: gamma(L + 4 nvars + 2)(sum_d D_d * |w| + |N_d| * |D_w|)_k,
-//         T = (nvars + 1) prod_d (degree[d] + 1) at most.
+//         T = (nvars + 1) prod_d (degree[d] + 1) at most; L + nvars + 5 where out's degrees add up to 47 at most.
 KN_API KN_CHECKED kn_status kn_bezier_divergence(kn_ctx *ctx, kn_bezier *out, const kn_bezier *a);
 // Components first .. first+count-1 as a polynomial piece (of a rational piece: homogeneous components), exactly.
 // fails:  KN_EDOMAIN they are not all among the ncomp components, or count < 1.

@@ -194,7 +194,7 @@ static void gradients(void **state)
 }
 
 // Polynomial: gamma(nvars + 2) times the sum of the gradient's sizes. Rational: gamma(T + 4 nvars + 2)(sum_d D_d * |w|
-// + |N_d| * |D_w|), T = nvars + 1 products.
+// + |N_d| * |D_w|), T = nvars + 1 products, or T + nvars + 5 where all weights are exact.
 static void divergence(world *w, exact_judge_t *judge, exact_kind kind, const kn_bezier *a)
 {
     kn_bezier r = {0};
@@ -211,9 +211,10 @@ static void divergence(world *w, exact_judge_t *judge, exact_kind kind, const kn
         dw[v] = exact_factor_derivative(a, dim, v);
         t[n++] = (exact_term){-1.0, {&component[v], &dw[v]}};
     }
-    int none[3] = {0};
+    int none[3] = {0}, degrees = 0;
+    for (int v = 0; v < dim; v++) degrees += r.degree[v];
     if (a->rational)
-        exact_judge_terms(judge, &r, 0, t, n, a->degree, a->degree, dim + 1, 4 * dim + 2);
+        exact_judge_terms(judge, &r, 0, t, n, a->degree, a->degree, dim + 1, degrees <= 47 ? dim + 5 : 4 * dim + 2);
     else
         exact_judge_terms(judge, &r, 0, t, n, none, none, 0, dim + 2);
     for (int v = 0; v < dim; v++) {
