@@ -30,7 +30,7 @@ void kn_nest_shape(kn_nest *nest, const kn_bezier *outer, const kn_bezier *inner
 double kn_nest_cost(const kn_nest *nest, int ncomp);
 
 // out (ncomp polynomials on the level nest->sum, room after room, scaled) = the nest of outer's components at the
-// factors x_d = factor + 2 d n and s_d behind it, n = prod (m + 1) numbers each, dense and scaled. KN_ENOMEM: scratch.
+// factors x_d = factor + 2 d n and s_d behind it, n = prod (m + 1) numbers each, dense, scaled. KN_ENOMEM: scratch.
 kn_status kn_nest_run(kn_ctx *ctx, double *out, const kn_nest *nest, const kn_bezier *outer, const double *factor);
 // out (batch polynomials on level g + 1) += in (batch, level g) times a factor.
 kn_status kn_nest_times(kn_ctx *ctx, double *out, const kn_nest *nest, const double *in, size_t batch, int g,

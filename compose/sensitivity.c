@@ -33,8 +33,8 @@ static kn_status basis_function(kn_ctx *ctx, kn_bezier *out, const kn_bezier *b,
     return KN_OK;
 }
 
-// f(x) = sum_i c_i B_i(inner(x)) is linear in outer's control points: d f / d c_i = B_i(inner(x)), over outer's weight
-// when it has one.
+// f(x) = sum_i c_i B_i(inner(x)) is linear in outer's control points: d f / d c_i = B_i(inner(x)), over outer's
+// weight when it has one.
 kn_status kn_bezier_compose_outer_sensitivity(kn_ctx *ctx, kn_bezier *out, const kn_bezier *outer,
                                               const kn_bezier *inner, const int *index)
 {

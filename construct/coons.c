@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Boolean sums. P_d interpolates linearly between the two faces of variable d. On control points that is
-// (P_d c)_i = (1 - g_i) c_first + g_i c_last along variable d, g the Greville sites from 0 to 1: the control points of the
-// identity. With c the faces in their places and anything inside, c - (1 - P_0)(1 - P_1) .. c is the Boolean sum, and
+// (P_d c)_i = (1 - g_i) c_first + g_i c_last along variable d, g the Greville sites from 0 to 1: the control points of
+// the identity. With c the faces in their places and anything inside, c - (1 - P_0)(1 - P_1) .. c is the Boolean sum, and
 // does not depend on what is inside: zeros.
 #include <math.h>
 #include <string.h>

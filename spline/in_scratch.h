@@ -15,7 +15,7 @@ kn_status kn_spline_elevation_band(kn_ctx *ctx, kn_band *band, double **to, doub
 // s with the knots of var and those of the sorted list `more`, none of them outside the domain, each as often as
 // either has it. Nothing happens where s has them all.
 kn_status kn_spline_unite_in_scratch(kn_ctx *ctx, kn_spline *s, int var, const double *more, int n);
-// Variable var[i] of s[i], of one domain, gets the highest degree of all, at least `least`, and the union of all knots.
+// Variable var[i] of s[i], of one domain, gets one degree, the highest or `least`, and the union of all knots.
 kn_status kn_spline_unite_all_in_scratch(kn_ctx *ctx, kn_spline *s, const int *var, int n, int least);
 // s over [lo,hi] in var (kn_spline_restrict).
 kn_status kn_spline_restrict_in_scratch(kn_ctx *ctx, kn_spline *s, int var, double lo, double hi);

@@ -28,8 +28,7 @@ KN_API KN_CHECKED kn_status kn_construct_line(kn_ctx *ctx, kn_spline *out, int d
 KN_API KN_CHECKED kn_status kn_construct_polyline(kn_ctx *ctx, kn_spline *out, int dim, int n, const double *points);
 // center + cos(t) x + sin(t) y for t from 0 to angle, 0 < angle <= 2 pi: an arc of a circle where x and y are
 // perpendicular and equally long, of an ellipse otherwise.
-// in:     angle in radians; 1, 2, 3, 4 times the double next to pi/2 stand for exact quarter turns. x, y not
-//         parallel.
+// in:     angle in radians; 1 to 4 times the double next to pi/2 stand for exact quarter turns. x, y not parallel.
 // out:    rational of degree 2, one piece for each quarter begun, all equally long in t and in the parameter, joined
 //         by double knots; weights 1 and cos(half a piece's angle). The first point is center + x, and after a whole
 //         turn the last control point is the first, bit for bit.
@@ -70,8 +69,7 @@ KN_API KN_CHECKED kn_status kn_construct_cone(kn_ctx *ctx, kn_spline *out, const
 
 // ---- one variable more: a curve becomes a surface, a surface a volume, .. ----
 // out(.., t) = (1 - t) a + t b, of equal dimension over equal domains; degree 1 in t. At t = 0 and 1 bit for bit a
-// and b as made compatible. Rational: the segments are straight, and run through with a speed that the weights
-// decide.
+// and b as made compatible. Rational: the segments are straight; the weights decide the speed along them.
 // fails:  KN_EDOMAIN dimensions, variables or domains differ; KN_ELIMIT variables.
 KN_API KN_CHECKED kn_status kn_construct_ruled(kn_ctx *ctx, kn_spline *out, const kn_spline *a, const kn_spline *b);
 // out(.., t) = a + t vector; dim numbers. At t = 0 bit for bit a. Of a curve S_u x S_v is tangent x vector.
@@ -96,8 +94,7 @@ KN_API KN_CHECKED kn_status kn_construct_skinned(kn_ctx *ctx, kn_spline *out, in
                                                  int degree, const double *sites);
 
 // ---- sums ----
-// out(u.., v..) = profile(u..) + trajectory(v..), of equal dimension: the profile moved along without turning;
-// exact.
+// out(u.., v..) = profile(u..) + trajectory(v..), of equal dimension: the profile moved without turning; exact.
 // out:    profile's variables, then trajectory's, with their degrees and knots; rational if either is.
 KN_API KN_CHECKED kn_status kn_construct_swept(kn_ctx *ctx, kn_spline *out, const kn_spline *profile,
                                                const kn_spline *trajectory);

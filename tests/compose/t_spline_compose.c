@@ -163,9 +163,38 @@ static void crossing_knots(void **state)
     test_ctx_end(ctx, &memory);
 }
 
-// Parameters far from 0: x rises over a domain of length 1 across the knots of a C1 quadratic. A break is off by at most
-// 4 units of the parameter; x rises by less than 3 slope, and the join leaves that times half the jump of f'' (spans
-// 0.2 slope and more: below 130 / slope^2) times the length of a span, at most slope.
+// A crossing of two components at one place is one break, however each is rounded: x_1 = k x_0, x_0 a cubic, and knots
+// a and k a. A constant component on a jump has the value from the right, as kn_spline_eval has.
+static void together(void **state)
+{
+    (void)state;
+    test_memory memory = TEST_MEMORY_INIT;
+    kn_ctx *ctx = test_ctx(&memory, 1);
+    test_rng rng = test_random(24);
+    const double own[8] = {0, 0, 0, 0, 1, 1, 1, 1}, rise[4] = {0.05, 0.35, 0.4, 0.95};
+    for (int run = 0; run < test_scale(40); run++) {
+        const double k = test_uniform(&rng, 0.5, 1.5), a = test_uniform(&rng, 0.2, 0.8);
+        const double knots[2][5] = {{0, 0, a, 1, 1}, {0, 0, k * a, 2, 2}}, *list[2] = {knots[0], knots[1]};
+        double both[8], coef[9];
+        for (int i = 0; i < 4; i++) both[i] = rise[i], both[4 + i] = k * rise[i];
+        for (int i = 0; i < 9; i++) coef[i] = test_uniform(&rng, -1, 1);
+        kn_spline outer = {0}, inner = curve(ctx, 3, 4, own, 2, false, both), out = {0};
+        assert_int_equal(kn_spline_init(ctx, &outer, 2, 1, false, (int[]){1, 1}, (int[]){3, 3}, list, coef), KN_OK);
+        assert_int_equal(kn_spline_compose(ctx, &out, &outer, &inner), KN_OK);
+        assert_int_equal(kn_spline_spans(&out, 0), 2);
+        kn_spline_clear(ctx, &outer), kn_spline_clear(ctx, &inner), kn_spline_clear(ctx, &out);
+    }
+    const double jump[] = {0, 0, 1, 1, 2, 2}, coef[] = {0, 1, 5, 6}, line[] = {0, 0, 1, 1}, still[] = {1, 1};
+    kn_spline outer = curve(ctx, 1, 4, jump, 1, false, coef), inner = curve(ctx, 1, 2, line, 1, false, still);
+    assert_int_equal(kn_spline_compose(ctx, &inner, &outer, &inner), KN_OK);
+    for (int i = 0; i < inner.count[0]; i++) assert_true(inner.coef[i] == 5.0);
+    kn_spline_clear(ctx, &outer), kn_spline_clear(ctx, &inner);
+    test_ctx_end(ctx, &memory);
+}
+
+// Parameters far from 0: x rises over a domain of length 1 across the knots of a C1 quadratic. A break is off by at
+// most 4 units of the parameter; x rises by less than 3 slope, and the join leaves that times half the jump of f''
+// (spans 0.2 slope and more: below 130 / slope^2) times the length of a span, at most slope.
 static void far_from_zero(void **state)
 {
     (void)state;
@@ -295,9 +324,9 @@ static void allocation_failures(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(scaled_parameter),   cmocka_unit_test(continuity),
-                                       cmocka_unit_test(crossing_knots),     cmocka_unit_test(far_from_zero),
-                                       cmocka_unit_test(touching),           cmocka_unit_test(failures),
-                                       cmocka_unit_test(allocation_failures)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(scaled_parameter), cmocka_unit_test(continuity),
+                                       cmocka_unit_test(crossing_knots),   cmocka_unit_test(far_from_zero),
+                                       cmocka_unit_test(together),         cmocka_unit_test(touching),
+                                       cmocka_unit_test(failures),         cmocka_unit_test(allocation_failures)};
     return cmocka_run_group_tests_name("compose/spline_compose", tests, NULL, NULL);
 }
