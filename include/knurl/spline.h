@@ -76,7 +76,8 @@ KN_API KN_CHECKED kn_status kn_spline_eval(kn_ctx *ctx, double *out, const kn_sp
 // npoints values: out[i*dim + c] at the point at[i*nvars .. i*nvars + nvars-1].
 // out:    not an input. Where the weight is zero a value that is not finite, and no failure. The same bits on every
 //         machine and for batches cut anyhow; kn_spline_eval sums in another order, so that last bits differ.
-// error:  polynomial, inside the domain: gamma(sum_d (17 p_d + 3)) max |c_k| over the control points that act.
+// error:  inside the domain, over the control points that act, n = sum_d (17 p_d + 3): polynomial gamma(n) max |c_k|;
+//         rational, weights positive, 3 gamma(n + 2) q max |c_k / w_k|, q = max w / min w, where gamma(n + 2) q <= 1/4.
 // cost:   in vectors where the machine has them; tables of prod_d count[d] * ncomp (up to p + 1 times that for small
 //         splines) and sum_d spans * (p_d + 1)^2 numbers of scratch, made only where there are points enough to pay
 //         for them.
@@ -85,8 +86,9 @@ KN_API KN_CHECKED kn_status kn_spline_eval_batch(kn_ctx *ctx, double *out, const
 // Values and all first partials at npoints points: out[(i*(1 + nvars) + k)*dim + c], k = 0 the value, k = 1 + d the
 // derivative in variable d.
 // out:    the values have kn_spline_eval_batch's bits; all else as there.
-// error:  a partial in variable d, polynomial, inside the domain: gamma(sum_e (17 p_e + 3)) (2 p_d / h) max |c_k|, h
-//         the length of the knot interval, over the control points that act. rational: see docs/numerics.md.
+// error:  a partial in variable d, polynomial, inside the domain: gamma(n) (2 p_d / h) max |c_k|, n = sum_e (17 p_e
+//         + 3), h the length of the knot interval, over the control points that act. rational, weights positive:
+//         12 gamma(n + 4) q^2 (2 p_d / h) max |P_k|, q = max w / min w, P_k = c_k / w_k; gamma(n + 2) q <= 1/4.
 // cost:   about twice kn_spline_eval_batch.
 KN_API KN_CHECKED kn_status kn_spline_eval_batch_partials(kn_ctx *ctx, double *out, const kn_spline *s,
                                                           size_t npoints, const double *at);
@@ -208,12 +210,13 @@ KN_API KN_CHECKED kn_status kn_spline_integral(kn_ctx *ctx, double *out, const k
 // out:    polynomial: a's degrees, interior knots of every variable once more often, at most degree + 1 times: the
 //         grid that holds all partials. rational: over the square of the weight, degrees double, continuity one less.
 // fails:  KN_ELIMIT dim * nvars components (and a weight) pass KN_MAX_COMPS, doubled degrees, coefficients.
-// error:  polynomial, of the derivative in variable v: gamma(7 p_v + sum_(d != v) (6 p_d + 1)) D, D the largest
-//         p (|c_i+1| + |c_i|) / (t_i+p+1 - t_i+1) that acts, along v. rational: as kn_spline_derivative.
+// error:  polynomial, of the derivative in variable v: gamma(7 p_v + sum_(d != v) (6 u_d + 1)) |a_v|_k, |a_v| what
+//         kn_spline_derivative gives, coefficients in absolute value, on out's degrees and knots; u_d <= p_d knots
+//         are new for c_k, of all coefficients the most. rational: as kn_spline_derivative.
 KN_API KN_CHECKED kn_status kn_spline_gradient(kn_ctx *ctx, kn_spline *out, const kn_spline *a);
 // out = sum_d of the derivative of a_d in variable d, of dimension 1. Degrees and knots as kn_spline_gradient.
 // fails:  KN_EDOMAIN dim is not nvars; KN_ELIMIT as said.
-// error:  the sum of those of the gradient, and gamma(nvars - 1) of the sum of absolute values.
+// error:  with n the most roundings of a partial in it, gamma(n + nvars - 1) times the sum of the |a_d|_k.
 KN_API KN_CHECKED kn_status kn_spline_divergence(kn_ctx *ctx, kn_spline *out, const kn_spline *a);
 // out[d] >= |derivative of a in variable d| (Euclidean norm) over the domain: nvars numbers. At knots both sides
 // count; the height of a jump does not.
@@ -317,8 +320,8 @@ KN_API KN_CHECKED kn_status kn_spline_to_bezier(kn_ctx *ctx, kn_bezier **pieces,
 //         one whose weights have the smallest sum of absolute values, the lowest of equals; that the others agree is
 //         not checked. Coefficients that one piece has already are copied bit for bit.
 // fails:  KN_EDOMAIN shapes differ, breaks, continuity; KN_ELIMIT.
-// error:  in each variable gamma(6 p + 1) J max |c|, J with the factors' absolute values, and errors of the pieces grow
-//         by J, the largest such sum. On equal spans J = 1 at continuity 0 and for C1 quadratics, 3 for C2 cubics, 9
+// error:  in each variable gamma(6 p + 1) J max |c|, J with the factors' absolute values, and errors of the pieces
+//         grow by J, the largest such sum. On equal spans J = 1 at continuity 0 and for C1 quadratics, 3 for C2 cubics, 9
 //         and 45 for quartics and quintics of the highest continuity; it grows with uneven spans.
 KN_API KN_CHECKED kn_status kn_spline_from_bezier(kn_ctx *ctx, kn_spline *out, const kn_bezier *pieces,
                                                   const int *nbreaks, const double *const *breaks,

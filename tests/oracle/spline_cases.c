@@ -220,6 +220,12 @@ static void formula_piece(exact *out, const double *at, void *user)
     exact_free(&v), exact_free(&x);
 }
 
+void spline_exact_terms(exact *out, const kn_spline *r, const spline_term *terms, int nterms)
+{
+    formula f = {terms, nterms, false};
+    exact_spline_coefs(out, r, formula_piece, &f);
+}
+
 void spline_judge_terms(spline_world *w, exact_judge_t *judge, const kn_spline *r, int comp, const spline_term *terms,
                         int nterms, int roundings)
 {

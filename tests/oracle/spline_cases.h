@@ -38,10 +38,12 @@ typedef struct spline_term {
     int comp[3];
 } spline_term;
 // Judges component comp of r, made by pieces: the sum of the terms, against gamma(roundings, and those of the maps to
-// the piece and back) times the sum with absolute values on the piece that a coefficient is taken from, weighted by the
-// absolute values of the factors of its blossom.
+// the piece and back) times the sum with absolute values on the piece that a coefficient is taken from, weighted by
+// the absolute values of the factors of its blossom.
 void spline_judge_terms(spline_world *w, exact_judge_t *judge, const kn_spline *r, int comp, const spline_term *terms,
                         int nterms, int roundings);
+// Their exact coefficients on r's knots.
+void spline_exact_terms(exact *out, const kn_spline *r, const spline_term *terms, int nterms);
 // That weighting for any f; the pieces of f have degrees not above r's.
 void spline_join_sizes(exact *out, const kn_spline *r, exact_piece f, void *user);
 

@@ -73,6 +73,7 @@ static void products(void **state)
                 assert_int_equal(kn_bezier_product(ctx, &p.c, &p.a, &p.b), KN_OK);
                 const exact_term t = {1.0, {&p.fa[0], &p.fb[0]}};
                 judge_pair(&judge, &p, 0, &t, 1, 1);
+                if (kind == EXACT_INTEGERS && s->m[0] + s->n[0] <= 16) exact_assert_terms(&p.c, 0, &t, 1);
                 judge_weight(&judge, &p);
                 pair_free(ctx, &p);
             }
@@ -99,12 +100,14 @@ static void dots_and_crosses(void **state)
             exact_term t[3];
             for (int k = 0; k < 3; k++) t[k] = (exact_term){1.0, {&p.fa[k], &p.fb[k]}};
             judge_pair(&dot, &p, 0, t, 3, 3);
+            if (kind == EXACT_INTEGERS && s->m[0] + s->n[0] <= 16) exact_assert_terms(&p.c, 0, t, 3);
             judge_weight(&dot, &p);
             assert_int_equal(kn_bezier_cross(ctx, &p.c, &p.a, &p.b), KN_OK);
             for (int k = 0; k < 3; k++) {
                 int u = (k + 1) % 3, v = (k + 2) % 3;
                 const exact_term x[2] = {{1.0, {&p.fa[u], &p.fb[v]}}, {-1.0, {&p.fa[v], &p.fb[u]}}};
                 judge_pair(&cross, &p, k, x, 2, 2);
+                if (kind == EXACT_INTEGERS && s->m[0] + s->n[0] <= 16) exact_assert_terms(&p.c, k, x, 2);
             }
             judge_weight(&cross, &p);
             pair_free(ctx, &p);
@@ -112,6 +115,49 @@ static void dots_and_crosses(void **state)
     }
     exact_judge_end(&dot, 100.0);
     exact_judge_end(&cross, 100.0);
+    test_ctx_end(ctx, &memory);
+}
+
+// a . (b x c): L + L' + 4 nvars, L' of the sums in b x c. Integers give the double nearest to the exact number.
+static void determinants(void **state)
+{
+    (void)state;
+    static const int degrees[][3] = {{1, 2, 3}, {3, 3, 3}, {8, 8, 8}, {18, 19, 19}};
+    test_memory memory = TEST_MEMORY_INIT;
+    kn_ctx *ctx = test_ctx(&memory, 1);
+    test_rng rng = test_random(5);
+    exact_judge_t judge[2] = {{.name = "determinant, degree 9 at most"}, {.name = "determinant"}};
+    for (int i = 0; i < 6; i++)
+        for (int kind = 0; kind < EXACT_KINDS; kind++) {
+            kn_bezier s[3], det = {0};
+            exact_factor f[3][3];
+            int nvars = i < 4 ? 1 : 2, inner[2];
+            for (int k = 0; k < 3; k++) {
+                const int degree[2] = {degrees[i % 4][k], 2};
+                exact_random_bezier(ctx, &s[k], &rng, nvars, 3, false, degree, kind);
+                for (int c = 0; c < 3; c++) f[k][c] = exact_factor_of(&s[k], c);
+            }
+            assert_int_equal(kn_bezier_determinant(ctx, &det, &s[0], &s[1], &s[2]), KN_OK);
+            exact_term t[6];
+            for (int j = 0; j < 6; j++) {
+                int u = j / 2, v = (u + 1 + j % 2) % 3;
+                t[j] = (exact_term){j % 2 ? -1.0 : 1.0, {&f[0][u], &f[1][v], &f[2][3 - u - v]}};
+            }
+            int terms = 2; // of b x c: at most 20 + 2 (r + c + 40), which they do not reach
+            for (int d = 0; d < nvars; d++) {
+                inner[d] = s[1].degree[d] + s[2].degree[d];
+                terms *= (s[1].degree[d] < s[2].degree[d] ? s[1].degree[d] : s[2].degree[d]) + 1;
+            }
+            exact_judge_terms(&judge[i > 1], &det, 0, t, 6, s[0].degree, inner, 3, terms + 4 * nvars);
+            if (kind == EXACT_INTEGERS && i < 2) exact_assert_terms(&det, 0, t, 6);
+            for (int k = 0; k < 3; k++) {
+                for (int c = 0; c < 3; c++) exact_factor_free(&f[k][c]);
+                kn_bezier_clear(ctx, &s[k]);
+            }
+            kn_bezier_clear(ctx, &det);
+        }
+    exact_judge_end(&judge[0], 150.0); // two sums in a row with six products: 85 to 110
+    exact_judge_end(&judge[1], 600.0); // degree 56, and two variables: 350 to 400
     test_ctx_end(ctx, &memory);
 }
 
@@ -141,7 +187,7 @@ static void rational_sums(void **state)
     test_ctx_end(ctx, &memory);
 }
 
-// (N/w)' = (N' w - w' N)/w^2, N' and w' raised to the degrees of N and w: gamma(T + 3 nvars + 3), T over both products.
+// (N/w)' = (N' w - w' N)/w^2, N' and w' raised to the degrees of N and w: gamma(L + 3 nvars + 3), L of both products.
 static void rational_derivatives(void **state)
 {
     (void)state;
@@ -175,7 +221,8 @@ static void rational_derivatives(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {cmocka_unit_test(products), cmocka_unit_test(dots_and_crosses),
-                                       cmocka_unit_test(rational_sums), cmocka_unit_test(rational_derivatives)};
+                                       cmocka_unit_test(determinants), cmocka_unit_test(rational_sums),
+                                       cmocka_unit_test(rational_derivatives)};
     int failed = cmocka_run_group_tests_name("oracle/product", tests, NULL, NULL);
     flint_cleanup();
     return failed;

@@ -209,9 +209,10 @@ static void addition(spline_world *w, exact_judge_t *judge, exact_kind kind, con
 {
     kn_spline b, c = {0};
     companion(w, &b, a, kind);
-    assert_int_equal(kn_spline_sum(w->ctx, &c, a, &b), KN_OK);
+    bool minus = test_int(&w->rng, 0, 1);
+    assert_int_equal((minus ? kn_spline_difference : kn_spline_sum)(w->ctx, &c, a, &b), KN_OK);
     int na = sum_roundings(w, a, &c), nb = sum_roundings(w, &b, &c);
-    spline_judge_sum(w, judge, &c, (spline_sum){.s = {a, &b}, .times = {na, nb}}, NULL, 1);
+    spline_judge_sum(w, judge, &c, (spline_sum){.s = {a, &b}, .minus = minus, .times = {na, nb}}, NULL, 1);
     kn_spline_clear(w->ctx, &b), kn_spline_clear(w->ctx, &c);
 }
 

@@ -65,12 +65,11 @@ static int *count_roundings(const kn_bezier *c, const int *m, const int *n, int 
     return roundings;
 }
 
-void exact_judge_terms(exact_judge_t *judge, const kn_bezier *c, int comp, const exact_term *terms, int nterms,
-                       const int *m, const int *n, int per, int more)
+static void sum_of_terms(exact *value, exact *size, const kn_bezier *c, const exact_term *terms, int nterms)
 {
-    exact value = exact_new(), size = exact_new(), v = exact_new(), s = exact_new();
-    exact_constant(&value, c->nvars, 0.0);
-    exact_constant(&size, c->nvars, 0.0);
+    exact v = exact_new(), s = exact_new();
+    exact_constant(value, c->nvars, 0.0);
+    exact_constant(size, c->nvars, 0.0);
     for (int t = 0; t < nterms; t++) {
         exact_constant(&v, c->nvars, terms[t].sign);
         exact_constant(&s, c->nvars, 1.0);
@@ -78,13 +77,29 @@ void exact_judge_terms(exact_judge_t *judge, const kn_bezier *c, int comp, const
             exact_mul(&v, &v, &terms[t].f[i]->value);
             exact_mul(&s, &s, &terms[t].f[i]->size);
         }
-        exact_add(&value, &value, &v);
-        exact_add(&size, &size, &s);
+        exact_add(value, value, &v);
+        exact_add(size, size, &s);
     }
-    exact_bernstein(&value, &value, c->degree);
-    exact_bernstein(&size, &size, c->degree);
+    exact_bernstein(value, value, c->degree);
+    exact_bernstein(size, size, c->degree);
+    exact_free(&v), exact_free(&s);
+}
+
+void exact_assert_terms(const kn_bezier *c, int comp, const exact_term *terms, int nterms)
+{
+    exact value = exact_new(), size = exact_new();
+    sum_of_terms(&value, &size, c, terms, nterms);
+    exact_assert_nearest(c->coef + (size_t)comp * kn_bezier_count(c), &value);
+    exact_free(&value), exact_free(&size);
+}
+
+void exact_judge_terms(exact_judge_t *judge, const kn_bezier *c, int comp, const exact_term *terms, int nterms,
+                       const int *m, const int *n, int per, int more)
+{
+    exact value = exact_new(), size = exact_new();
+    sum_of_terms(&value, &size, c, terms, nterms);
     int *roundings = count_roundings(c, m, n, per, more);
     exact_judge(judge, c->coef + (size_t)comp * kn_bezier_count(c), &value, &size, roundings, 0);
     free(roundings);
-    exact_free(&value), exact_free(&size), exact_free(&v), exact_free(&s);
+    exact_free(&value), exact_free(&size);
 }

@@ -24,5 +24,7 @@ void exact_factor_free(exact_factor *f);
 // number of products of pieces of degrees m and n; the roundings L of bezier.h and `more` make n_k.
 void exact_judge_terms(exact_judge_t *judge, const kn_bezier *c, int comp, const exact_term *terms, int nterms,
                        const int *m, const int *n, int per, int more);
+// Component comp of c is the sum of the terms, rounded to nearest.
+void exact_assert_terms(const kn_bezier *c, int comp, const exact_term *terms, int nterms);
 
 #endif
