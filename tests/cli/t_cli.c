@@ -179,7 +179,10 @@ static void apply_writes_what_it_reports(void **state)
     test_tmp_path(step, "bump.step");
     assert_int_equal(
         run("apply data/teapot.bpt --tile bump --count 2 --normal-tol 1e-3 --json -o '%s' -o '%s'", stl, step), 0);
-    assert_string_equal(complained, "");
+    for (const char *line = complained, *end; *line; line = end + 1) { // a slow machine may say how far it is
+        end = strchr(line, '\n');
+        assert_true(end && end - line > 14 && memcmp(line, "knurl: ", 7) == 0 && memcmp(end - 7, " s left", 7) == 0);
+    }
     json_t *r = json_loads(printed, 0, NULL);
     struct stat info;
     assert_int_equal(stat(stl, &info), 0);
