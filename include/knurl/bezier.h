@@ -62,7 +62,8 @@ KN_API KN_CHECKED kn_status kn_bezier_eval(kn_ctx *ctx, double *out, const kn_be
 // npoints values: out[i*dim + c] at the point at[i*nvars .. i*nvars + nvars-1].
 // out:    not an input. Where the weight is zero a value that is not finite, and no failure. The same bits on every
 //         machine and for batches cut anyhow; kn_bezier_eval sums in another order, so that last bits differ.
-// error:  polynomial, at in [0,1]^nvars: gamma(sum_d (3 degree[d] + 2)) max |p_i|.
+// error:  at in [0,1]^nvars, n = sum_d (3 degree[d] + 2): polynomial gamma(n) max |p_i|; rational, weights positive,
+//         3 gamma(n + 2) q max |p_i / w_i|, q = max w / min w, where gamma(n + 2) q <= 1/4.
 // cost:   as kn_bezier_eval without its set-up, in vectors where the machine has them; count * ncomp numbers of
 //         scratch at least.
 KN_API KN_CHECKED kn_status kn_bezier_eval_batch(kn_ctx *ctx, double *out, const kn_bezier *b, size_t npoints,
@@ -70,8 +71,8 @@ KN_API KN_CHECKED kn_status kn_bezier_eval_batch(kn_ctx *ctx, double *out, const
 // Values and all first partials at npoints points: out[(i*(1 + nvars) + k)*dim + c], k = 0 the value, k = 1 + d the
 // derivative in variable d.
 // out:    the values have kn_bezier_eval_batch's bits; all else as there.
-// error:  a partial in variable d, polynomial, in [0,1]^nvars: gamma(sum_e (3 degree[e] + 2)) 2 degree[d] max |p_i|.
-//         rational: see docs/numerics.md.
+// error:  a partial in variable d, in [0,1]^nvars, n as for kn_bezier_eval_batch: polynomial gamma(n) 2 degree[d]
+//         max |p_i|; rational, weights positive, 12 gamma(n + 4) q^2 2 degree[d] max |p_i / w_i|.
 // cost:   about twice kn_bezier_eval_batch.
 KN_API KN_CHECKED kn_status kn_bezier_eval_batch_partials(kn_ctx *ctx, double *out, const kn_bezier *b,
                                                           size_t npoints, const double *at);

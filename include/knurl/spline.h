@@ -77,7 +77,7 @@ KN_API KN_CHECKED kn_status kn_spline_eval(kn_ctx *ctx, double *out, const kn_sp
 // out:    not an input. Where the weight is zero a value that is not finite, and no failure. The same bits on every
 //         machine and for batches cut anyhow; kn_spline_eval sums in another order, so that last bits differ.
 // error:  inside the domain, over the control points that act, n = sum_d (17 p_d + 3): polynomial gamma(n) max |c_k|;
-//         rational, weights positive, 3 gamma(n + 2) q max |c_k / w_k|, q = max w / min w, where gamma(n + 2) q <= 1/4.
+//         rational, weights positive, 3 gamma(n + 2) q max |c_k / w_k|, q = max w / min w, gamma(n + 2) q <= 1/4.
 // cost:   in vectors where the machine has them; tables of prod_d count[d] * ncomp (up to p + 1 times that for small
 //         splines) and sum_d spans * (p_d + 1)^2 numbers of scratch, made only where there are points enough to pay
 //         for them.

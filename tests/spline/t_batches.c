@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Batches with partials, grids and isoparametric splines, of splines and of Bezier pieces.
+// Batches with partials, grids and isoparametric splines.
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -46,9 +46,9 @@ static void exact(void **state)
     test_ctx_end(ctx, &memory);
 }
 
-// Partials against kn_spline_derivatives, grids against batches. Both sides of a partial have at most
-// gamma(sum (17 p + 3)) (2 p / h) max |c| with p <= 3, h = 1; coefficients are at most 9, weights in [1, 9]: a quotient
-// is at most 81 of them, and its derivative at most 81 times as much again.
+// Partials against kn_spline_derivatives, grids against batches: each side within the header's bound for a partial,
+// which is larger than that for a value and than that of kn_spline_derivatives. p <= 3 and h >= 1; coefficients are
+// at most 9, weights in [1, 9], so that |P| <= 9 and q <= 9.
 static void against_others(void **state)
 {
     (void)state;
@@ -61,14 +61,15 @@ static void against_others(void **state)
         bool rational = round % 2;
         for (int d = 0; d < nvars; d++) {
             degree[d] = test_int(&rng, 0, 3), count[d] = degree[d] + 1 + test_int(&rng, 0, nvars > 2 ? 2 : 8);
-            steps += 17 * degree[d] + 3 + 6 * degree[d] + 1;
+            steps += 17 * degree[d] + 3;
         }
         kn_spline s;
         test_random_spline(ctx, &s, &rng, nvars, 3, rational, degree, count, 9);
         size_t dim = (size_t)kn_spline_dim(&s), each = dim * (1 + (size_t)nvars);
         for (int i = 0; i < 150 * nvars; i++) at[i] = test_uniform(&rng, 0, s.knots[i % nvars][count[i % nvars]]);
         assert_int_equal(kn_spline_eval_batch_partials(ctx, out, &s, 150, at), KN_OK);
-        double tolerance = steps * 0x1.01p-53 * 9 * 2 * 3 * (rational ? 8 * 81 * 81 : 1);
+        double bound = rational ? 12 * (steps + 4) * 9 * 9 : steps; // q^2
+        double tolerance = 2 * bound * 0x1.01p-53 * (2 * 3) * 9;    // of both; 2 p / h, |P|
         for (int i = 0; i < 150; i++) {
             double d[15];
             assert_int_equal(kn_spline_derivatives(ctx, d, &s, at + i * nvars, 1), KN_OK);
@@ -92,35 +93,71 @@ static void against_others(void **state)
     test_ctx_end(ctx, &memory);
 }
 
-// A Bezier piece and the same as a spline: u v + 2 v, exact.
-static void pieces(void **state)
+// Where the weight (1 - u) - u is zero, at u = 1/2, nothing is finite, and nothing else is touched.
+static void zero_weight(void **state)
 {
     (void)state;
     test_memory memory = TEST_MEMORY_INIT;
     kn_ctx *ctx = test_ctx(&memory, 1);
-    static double at[2 * 100], out[3 * 100], grid[9];
-    kn_bezier b, empty = {0}, constant;
-    assert_int_equal(kn_bezier_init(ctx, &b, 2, 1, false, (int[]){1, 1}), KN_OK);
-    memcpy(b.coef, (double[]){0, 2, 0, 3}, 32);
-    for (int i = 0; i < 100; i++) at[2 * i] = (i % 10) / 4.0, at[2 * i + 1] = (double)(i / 10) / 8.0;
-    assert_int_equal(kn_bezier_eval_batch_partials(ctx, out, &b, 100, at), KN_OK);
-    for (int i = 0; i < 100; i++) {
-        double u = at[2 * i], v = at[2 * i + 1];
-        assert_true(out[3 * i] == u * v + 2 * v && out[3 * i + 1] == v && out[3 * i + 2] == u + 2);
+    const double k[] = {0, 0, 1, 1}, coef[] = {1, 1, 1, 1, 1, 1, -1, -1};
+    const double *const knots[] = {k, k}, axis[] = {0.25, 0.5, 0.75}, *const axes[] = {axis, axis};
+    static double at[2 * 90], out[3 * 90], grid[9];
+    kn_spline s;
+    assert_int_equal(kn_spline_init(ctx, &s, 2, 2, true, (int[]){1, 1}, (int[]){2, 2}, knots, coef), KN_OK);
+    for (int i = 0; i < 90; i++) at[2 * i] = axis[i % 3], at[2 * i + 1] = axis[i / 30];
+    for (int n = 1; n <= 90; n += 89) { // without tables, and with them
+        assert_int_equal(kn_spline_eval_batch_partials(ctx, out, &s, (size_t)n, at), KN_OK);
+        for (int i = 0; i < n; i++) { // 1 / (1 - 2 u), 2 / (1 - 2 u)^2
+            double u = at[2 * i], w = 1 - 2 * u;
+            bool finite = u != 0.5;
+            for (int m = 0; m < 3; m++) assert_true(!finite == !isfinite(out[3 * i + m]));
+            if (finite) assert_true(out[3 * i] == 1 / w && out[3 * i + 1] == 2 / (w * w) && out[3 * i + 2] == 0);
+        }
     }
-    const double axis[] = {0, 0.5, 1};
-    const double *const axes[] = {axis, axis};
-    assert_int_equal(kn_bezier_eval_grid(ctx, grid, &b, (size_t[]){3, 3}, axes), KN_OK);
-    for (int i = 0; i < 9; i++) assert_true(grid[i] == axis[i / 3] * axis[i % 3] + 2 * axis[i % 3]);
-    assert_int_equal(kn_bezier_init(ctx, &constant, 0, 1, false, NULL), KN_OK);
-    constant.coef[0] = 5;
-    assert_int_equal(kn_bezier_eval_batch_partials(ctx, out, &constant, 2, at), KN_OK);
-    assert_int_equal(kn_bezier_eval_grid(ctx, grid, &constant, NULL, NULL), KN_OK);
-    assert_true(out[0] == 5 && out[1] == 5 && grid[0] == 5);
-    assert_int_equal(kn_bezier_eval_batch_partials(ctx, out, &empty, 1, at), KN_EDOMAIN);
-    assert_int_equal(kn_bezier_eval_grid(ctx, out, &empty, (size_t[]){1, 1}, axes), KN_EDOMAIN);
-    kn_bezier_clear(ctx, &b);
-    kn_bezier_clear(ctx, &constant);
+    assert_int_equal(kn_spline_eval_grid(ctx, grid, &s, (size_t[]){3, 3}, axes), KN_OK);
+    for (int i = 0; i < 9; i++) {
+        bool finite = i / 3 != 1;
+        assert_true(!finite == !isfinite(grid[i]));
+        if (finite) assert_true(grid[i] == (i < 3 ? 2 : -2));
+    }
+    kn_spline_clear(ctx, &s);
+    test_ctx_end(ctx, &memory);
+}
+
+// Rational and in three variables: linear on unit spans, integers and dyadic parameters, so that everything but the
+// last division is exact on both sides.
+static void isoparametric(void **state)
+{
+    (void)state;
+    test_memory memory = TEST_MEMORY_INIT;
+    kn_ctx *ctx = test_ctx(&memory, 1);
+    test_rng rng = test_random(3);
+    const double k[] = {0, 0, 1, 2, 2};
+    const double *const knots[] = {k, k, k};
+    for (int round = test_scale(24); round > 0; round--) {
+        bool rational = round % 2;
+        int nvars = 2 + round % 4 / 2, n = nvars == 2 ? 9 : 27;
+        double coef[3 * 27], at[3], rest[3], a[3], b[3];
+        for (int i = 0; i < 3 * n; i++) coef[i] = test_int(&rng, rational && i >= 2 * n ? 1 : -9, 9);
+        kn_spline s, c = {0};
+        assert_int_equal(kn_spline_init(ctx, &s, nvars, 3, rational, (int[]){1, 1, 1}, (int[]){3, 3, 3}, knots, coef),
+                         KN_OK);
+        for (int var = 0; var < nvars; var++)
+            for (int i = 0; i < 10; i++) {
+                int m = 0;
+                for (int d = 0; d < nvars; d++) {
+                    at[d] = test_int(&rng, 0, 16) / 8.0;
+                    if (d != var) rest[m++] = at[d];
+                }
+                assert_int_equal(kn_spline_isoparametric(ctx, &c, &s, var, at[var]), KN_OK);
+                assert_true(c.nvars == nvars - 1 && c.ncomp == 3 && c.rational == rational);
+                assert_int_equal(kn_spline_eval(ctx, a, &s, at), KN_OK);
+                assert_int_equal(kn_spline_eval(ctx, b, &c, rest), KN_OK);
+                for (int comp = 0; comp < kn_spline_dim(&s); comp++) assert_true(a[comp] == b[comp]);
+            }
+        kn_spline_clear(ctx, &s);
+        kn_spline_clear(ctx, &c);
+    }
     test_ctx_end(ctx, &memory);
 }
 
@@ -184,8 +221,11 @@ static void memory_failures(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(exact), cmocka_unit_test(against_others),
-                                       cmocka_unit_test(pieces), cmocka_unit_test(failures_and_steady_state),
+    const struct CMUnitTest tests[] = {cmocka_unit_test(exact),
+                                       cmocka_unit_test(against_others),
+                                       cmocka_unit_test(zero_weight),
+                                       cmocka_unit_test(isoparametric),
+                                       cmocka_unit_test(failures_and_steady_state),
                                        cmocka_unit_test(memory_failures)};
     return cmocka_run_group_tests_name("spline/batches", tests, NULL, NULL);
 }
