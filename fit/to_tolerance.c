@@ -70,7 +70,7 @@ static kn_status largest_errors(kn_ctx *ctx, double *error, const search *w, con
         size_t place = 0;
         for (int e = 0; e < w->nvars; e++) {
             at[e] = x[e][k[e]];
-            place = place * (size_t)s->count[e] + (size_t)(e == var ? along->first[k[e]] : k[e]);
+            place = place * (size_t)s->count[e] + (size_t)(along && e == var ? along->first[k[e]] : k[e]);
         }
         kn_status status = w->function(w->user, value, at);
         if (status != KN_OK) return kn_fail(ctx, status, "%s: the function failed", call);
@@ -78,8 +78,8 @@ static kn_status largest_errors(kn_ctx *ctx, double *error, const search *w, con
         if (status != KN_OK) return status;
         double square = 0.0;
         for (size_t c = 0; c < (size_t)w->dim; c++) {
-            if (var >= 0) own[c] = 0.0;
-            for (int i = 0; var >= 0 && i < along->width; i++)
+            if (along) own[c] = 0.0;
+            for (int i = 0; along && i < along->width; i++)
                 own[c] += along->w[k[var] * along->width + i] * coef[c * total + place + (size_t)i * inner];
             square += (own[c] - value[c]) * (own[c] - value[c]);
         }
