@@ -70,15 +70,20 @@ double kn_nearness(const double *breaks, int n)
 }
 
 // ---- one variable alone ----
-kn_component kn_component_of(const kn_bezier *piece, int c)
+// Component c of a piece: n numbers X and the weight, NULL for 1.
+typedef struct component {
+    const double *x, *w;
+} component;
+
+static component component_of(const kn_bezier *piece, int c)
 {
     size_t n = kn_bezier_count(piece);
-    return (kn_component){piece->coef + (size_t)c * n,
-                          piece->rational ? piece->coef + (size_t)(piece->ncomp - 1) * n : NULL};
+    return (component){piece->coef + (size_t)c * n,
+                       piece->rational ? piece->coef + (size_t)(piece->ncomp - 1) * n : NULL};
 }
 
 // X_i w_first = X_first w_i along every line in the other directions: a line starts at the coefficients of the edge.
-static bool separates(double *at_x, double *at_w, const kn_bezier *piece, const kn_component *f, int var)
+static bool separates(double *at_x, double *at_w, const kn_bezier *piece, const component *f, int var)
 {
     size_t n = kn_bezier_count(piece), m = (size_t)piece->degree[var] + 1;
     size_t inner = kn_bernstein_count(piece->nvars - var - 1, piece->degree + var + 1);
@@ -101,7 +106,7 @@ static bool separates(double *at_x, double *at_w, const kn_bezier *piece, const 
 
 int kn_depends_alone(double *at_x, double *at_w, const kn_bezier *piece, int c)
 {
-    kn_component f = kn_component_of(piece, c);
+    component f = component_of(piece, c);
     for (int d = 0; d < piece->nvars; d++)
         if (separates(at_x, at_w, piece, &f, d)) return d;
     return -1;
@@ -217,7 +222,7 @@ static verdict stays(kn_ctx *ctx, const kn_bezier *shape, const double *x, doubl
 }
 
 // Whether side * (x - value) >= 0 within the tolerance, everywhere.
-static verdict lies(kn_ctx *ctx, const kn_bezier *piece, const kn_component *f, double value, double side,
+static verdict lies(kn_ctx *ctx, const kn_bezier *piece, const component *f, double value, double side,
                     double tolerance)
 {
     size_t n = kn_bezier_count(piece);
@@ -236,7 +241,7 @@ static verdict lies(kn_ctx *ctx, const kn_bezier *piece, const kn_component *f, 
     return answer;
 }
 
-static void range(double *lo, double *hi, const kn_component *f, size_t n)
+static void range(double *lo, double *hi, const component *f, size_t n)
 {
     *lo = INFINITY, *hi = -INFINITY;
     for (size_t i = 0; i < n; i++) {
@@ -248,7 +253,7 @@ static void range(double *lo, double *hi, const kn_component *f, size_t n)
 
 // About the most that x changes when variable d moves by blur[d] of the piece, for all d: a derivative is at most the
 // degree times the largest difference of neighbours, times the spread of the weights.
-static double change(const kn_bezier *piece, const kn_component *f, const double *blur)
+static double change(const kn_bezier *piece, const component *f, const double *blur)
 {
     size_t n = kn_bezier_count(piece);
     double sum = 0.0, lightest = INFINITY, heaviest = 0.0;
@@ -270,7 +275,7 @@ static double change(const kn_bezier *piece, const kn_component *f, const double
 kn_status kn_locate(kn_ctx *ctx, const char *call, int *span, const kn_bezier *piece, int c, const double *breaks,
                     int nbreaks, const double *blur)
 {
-    kn_component f = kn_component_of(piece, c);
+    component f = component_of(piece, c);
     size_t n = kn_bezier_count(piece);
     double lo, hi;
     range(&lo, &hi, &f, n);

@@ -20,12 +20,6 @@ void kn_numbers_merge(kn_numbers *numbers, const double *keep, int nkeep, double
 // Crossings nearer to each other than this are one: about the rounding of a root, and of a parameter.
 double kn_nearness(const double *breaks, int n);
 
-// Component c of a piece: n numbers X and the weight, NULL for 1.
-typedef struct kn_component {
-    const double *x, *w;
-} kn_component;
-kn_component kn_component_of(const kn_bezier *piece, int c);
-
 // The variable that x = X/w alone depends on, or -1: X and w are then products of a function of that variable and a
 // common function of the others, within rounding, and at_x, at_w (degree + 1 numbers each) receive the former. A
 // constant depends on variable 0 alone.
