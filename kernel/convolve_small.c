@@ -1,14 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-// Small products in vectors of eight doubles. A row of b, q numbers and zeros behind them, fits into a vector in
-// 9 - q positions: turned by one lane at a time it meets as many columns of a. Further columns of a meet the same
-// turned rows, for sums of their own, which lie 9 - q columns further right in the result. As in
-// kernel/convolve_stages.h the rows of b pass by and the sums move up.
+// Small products in vectors of eight doubles: row r of the result is
+//     sum_j x^j D_j,  D_j = sum_(i + k = r) a[i][j] b[k],
+// b[k] a row in the lanes, a[i][j] in all of them. The D_j are independent sums of at most `rows` terms, which never
+// leave the registers; then they are added, each shifted by one lane more than the one before. Two rows of the result
+// share the numbers of a. A ninth column of b makes a sum of its own: with the first eight columns of a in the lanes.
 #include "kernel/convolve_small.h"
 
 #include "kernel/binomial.h"
 #include "kernel/convolve.h"
 
-enum { LANES = 8, MOST_COMPS = 4, MOST_ROWS = 8 };
+enum { LANES = 8, MOST = KN_SMALL_DEGREE + 1, MOST_COMPS = 4 };
 
 bool kn_small_in_order(const kn_term *terms, int nterms, int ncomp)
 {
@@ -20,49 +21,86 @@ bool kn_small_in_order(const kn_term *terms, int nterms, int ncomp)
     return to == ncomp - 1;
 }
 
+bool kn_small_here(void)
+{
 #if defined(__x86_64__)
-#include <immintrin.h>
-
-#define TARGET target("avx512f,avx512vl,avx512dq")
-#define OUTLINE static __attribute__((TARGET))
-#define INLINE static inline __attribute__((always_inline, TARGET))
+    return kn_convolve_best() == KN_CONVOLVE_AVX512 && __builtin_cpu_supports("fma");
+#else
+    return false;
+#endif
+}
 
 bool kn_small_fits(int rows_a, int columns_a, int na, int rows_b, int columns_b, int nb)
 {
-    int places = LANES + 1 - columns_b;
-    return rows_a <= MOST_ROWS && rows_b <= MOST_ROWS && columns_a <= LANES && columns_b <= LANES &&
-           columns_a <= 2 * places && na <= MOST_COMPS && nb <= MOST_COMPS &&
-           kn_convolve_best() == KN_CONVOLVE_AVX512;
+    return rows_a <= MOST && rows_b <= MOST && columns_a <= MOST && columns_b <= MOST && na <= MOST_COMPS &&
+           nb <= MOST_COMPS && kn_small_here();
 }
 
-typedef double packed[MOST_COMPS][MOST_ROWS][LANES];
+#if defined(__x86_64__)
+#include <immintrin.h>
 
-// Everything about a product of two components.
+#define TARGET target("avx512f,avx512vl,avx512dq,fma")
+#define OUTLINE static __attribute__((noinline, TARGET))
+#define INLINE static inline __attribute__((always_inline, TARGET))
+
+// Scaled rows of a, and of b between two rows of zeros. Row i's number 8 lies apart from the others for b.
+typedef struct spread {
+    _Alignas(64) double row[MOST][2 * LANES];
+} spread;
+typedef struct lanes {
+    _Alignas(64) double row[MOST + 2][LANES];
+    double ninth[MOST + 2];
+} lanes;
+
+typedef struct pair {
+    const spread *a;
+    const lanes *b;
+} pair;
+
+// Everything about one component of the result.
 typedef struct task {
-    const double *a, *b; // scaled rows of LANES numbers
-    int rows_a, rows_b, columns_a, places, columns;
-    double sign;
-    bool first, last;                // of the terms of one component of the result
-    const double *row, *row_inverse; // binomials of the result's rows
-    const double *column, *column_inverse;
-    double *out;
-    double (*sums)[2 * LANES];
+    const pair *terms;
+    int nterms, rows_a, rows_b, rows, columns;
+    const double *row, *row_inverse, *column, *column_inverse; // binomials of the result's degrees
+    double *out, *end;
 } task;
 
-OUTLINE void pack(packed to, const kn_small_operand *o)
+// ---- operands; from NULL: the constant 1 ----
+INLINE __mmask8 first(int n)
 {
-    const double *row = kn_pascal(o->rows - 1), *from = o->coef;
-    __m512d column = _mm512_loadu_pd(kn_pascal(o->columns - 1));
-    __mmask8 used = (__mmask8)((1u << o->columns) - 1u);
-    for (int c = 0; c < o->ncomp; c++)
-        for (int i = 0; i < o->rows; i++, from += o->columns) {
-            __m512d weight = _mm512_mul_pd(_mm512_set1_pd(row[i]), column);
-            _mm512_storeu_pd(to[c][i], _mm512_mul_pd(weight, _mm512_maskz_loadu_pd(used, from)));
-        }
-    for (int i = 0; i < o->rows && o->with_one; i++)
-        _mm512_storeu_pd(to[o->ncomp][i], _mm512_maskz_mul_pd(used, _mm512_set1_pd(row[i]), column));
+    return n >= LANES ? (__mmask8)0xff : (__mmask8)((1u << n) - 1u);
 }
 
+OUTLINE void pack_spread(spread *to, const double *from, int rows, int columns, double sign)
+{
+    const double *row = kn_pascal(rows - 1), *column = kn_pascal(columns - 1);
+    __m512d weights = _mm512_maskz_loadu_pd(first(columns), column);
+    for (int i = 0; i < rows; i++) {
+        __m512d w = _mm512_mul_pd(weights, _mm512_set1_pd(sign * row[i]));
+        if (from) w = _mm512_mul_pd(w, _mm512_maskz_loadu_pd(first(columns), from + i * columns));
+        _mm512_store_pd(to->row[i], w);
+        if (columns > LANES) to->row[i][LANES] = sign * row[i] * (from ? from[i * columns + LANES] : 1.0);
+    }
+}
+
+OUTLINE void pack_lanes(lanes *to, const double *from, int rows, int columns)
+{
+    const double *row = kn_pascal(rows - 1), *column = kn_pascal(columns - 1);
+    __m512d weights = _mm512_maskz_loadu_pd(first(columns), column);
+    _mm512_store_pd(to->row[0], _mm512_setzero_pd());
+    for (int i = 0; i < rows; i++) {
+        __m512d w = _mm512_mul_pd(weights, _mm512_set1_pd(row[i]));
+        if (from) w = _mm512_mul_pd(w, _mm512_maskz_loadu_pd(first(columns), from + i * columns));
+        _mm512_store_pd(to->row[i + 1], w);
+    }
+    _mm512_store_pd(to->row[rows + 1], _mm512_setzero_pd());
+    if (columns <= LANES) return;
+    to->ninth[0] = to->ninth[rows + 1] = 0.0;
+    for (int i = 0; i < rows; i++) to->ninth[i + 1] = row[i] * (from ? from[i * columns + LANES] : 1.0);
+}
+
+// ---- results ----
+// x / (weight column), as in kernel/convolve.c; an infinite x stays.
 INLINE __m512d divided(__m512d x, double weight, const double *column, double inverse, const double *column_inverse)
 {
     __m512d d = _mm512_mul_pd(_mm512_set1_pd(weight), _mm512_loadu_pd(column));
@@ -71,149 +109,322 @@ INLINE __m512d divided(__m512d x, double weight, const double *column, double in
     return _mm512_mask3_fmadd_pd(rest, r, q, _mm512_cmp_pd_mask(rest, rest, _CMP_ORD_Q));
 }
 
-// Row k of this term: to the sums, or with the last term divided to the result.
-INLINE void put(const task *t, int k, __m512d near, __m512d far, bool two)
+// Whole vectors: what they write beyond a row the next ones write again, in this order; nothing beyond the end.
+INLINE void put(const task *t, double *to, __m512d v)
 {
-    __m512d sign = _mm512_set1_pd(t->sign), lo = near, hi = _mm512_setzero_pd();
-    if (two) { // far lies `places` lanes further right
-        __m512i from = _mm512_sub_epi64(_mm512_setr_epi64(0, 1, 2, 3, 4, 5, 6, 7), _mm512_set1_epi64(t->places));
-        __mmask8 inside = (__mmask8)(0xffu << t->places);
-        __m512d turned = _mm512_permutexvar_pd(from, far);
-        lo = _mm512_mask_add_pd(lo, inside, lo, turned);
-        hi = _mm512_maskz_mov_pd((__mmask8)~inside, turned);
-    }
-    double *sum = t->sums[k];
-    lo = t->first ? _mm512_mul_pd(sign, lo) : _mm512_fmadd_pd(sign, lo, _mm512_loadu_pd(sum));
-    if (two) hi = t->first ? _mm512_mul_pd(sign, hi) : _mm512_fmadd_pd(sign, hi, _mm512_loadu_pd(sum + LANES));
-    if (!t->last) {
-        _mm512_storeu_pd(sum, lo);
-        if (two) _mm512_storeu_pd(sum + LANES, hi);
-        return;
-    }
-    double *out = t->out + (size_t)k * (size_t)t->columns;
-    int n = t->columns < LANES ? t->columns : LANES;
-    lo = divided(lo, t->row[k], t->column, t->row_inverse[k], t->column_inverse);
-    _mm512_mask_storeu_pd(out, (__mmask8)((1u << n) - 1u), lo);
-    if (!two || t->columns <= LANES) return;
-    hi = divided(hi, t->row[k], t->column + LANES, t->row_inverse[k], t->column_inverse + LANES);
-    _mm512_mask_storeu_pd(out + LANES, (__mmask8)((1u << (t->columns - LANES)) - 1u), hi);
+    ptrdiff_t left = t->end - to;
+    if (left >= LANES)
+        _mm512_storeu_pd(to, v);
+    else
+        _mm512_mask_storeu_pd(to, (__mmask8)((1u << left) - 1u), v);
 }
 
-INLINE void meet(__m512d *sum, const double *a, __m512d v, int rows)
+// Lanes move up by 1, 2 or 4; the highest ones of below come in.
+INLINE __m512d up(__m512d v, __m512d below, int by)
 {
-#pragma GCC unroll 8
-    for (int i = 0; i < rows; i++) sum[i] = _mm512_fmadd_pd(_mm512_set1_pd(a[i * LANES]), v, sum[i]);
+    __m512i x = _mm512_castpd_si512(v), y = _mm512_castpd_si512(below);
+    if (by == 1) return _mm512_castsi512_pd(_mm512_alignr_epi64(x, y, 7));
+    if (by == 2) return _mm512_castsi512_pd(_mm512_alignr_epi64(x, y, 6));
+    return _mm512_castsi512_pd(_mm512_alignr_epi64(x, y, 4));
 }
 
-// Lane 7 comes first.
-INLINE __m512d turn(__m512d v)
+// Polynomials in two vectors, hi[] for places from 8 on: the even ones += x^by times the odd ones after them. by 1:
+// all of hi[] is zero and not there yet. Returns how many are left.
+INLINE int fold(__m512d *lo, __m512d *hi, int n, int by, bool two)
 {
-    __m512i i = _mm512_castpd_si512(v);
-    return _mm512_castsi512_pd(_mm512_alignr_epi64(i, i, 7));
-}
-
-// One more set of sums where all columns of a fit: odd columns have their own, so that fewer sums wait for each other.
-INLINE void sweep(const task *t, int rows, bool two)
-{
-    __m512d near[MOST_ROWS], far[MOST_ROWS], zero = _mm512_setzero_pd();
-#pragma GCC unroll 8
-    for (int i = 0; i < rows; i++) near[i] = far[i] = zero;
-    int both = two ? t->columns_a - t->places : t->columns_a / 2 * 2;
-    for (int k = 0; k < t->rows_b; k++) {
-        __m512d v = _mm512_loadu_pd(t->b + k * LANES);
-        int j = 0;
+    __m512d zero = _mm512_setzero_pd();
+#pragma GCC unroll 4
+    for (int m = 0; m < n / 2; m++) {
+        __m512d l = lo[2 * m + 1];
         if (two) {
-            for (; j < both; j++, v = turn(v)) {
-                meet(near, t->a + j, v, rows);
-                meet(far, t->a + j + t->places, v, rows);
-            }
-            for (; j < t->places; j++, v = turn(v)) meet(near, t->a + j, v, rows);
-        } else {
-            for (; j < both; j += 2, v = turn(turn(v))) {
-                meet(near, t->a + j, v, rows);
-                meet(far, t->a + j + 1, turn(v), rows);
-            }
-            if (j < t->columns_a) meet(near, t->a + j, v, rows);
+            __m512d h = up(by == 1 ? zero : hi[2 * m + 1], l, by);
+            hi[m] = by == 1 ? h : _mm512_add_pd(hi[2 * m], h);
         }
-        if (two)
-            put(t, k, near[0], far[0], true);
-        else
-            put(t, k, _mm512_add_pd(near[0], far[0]), zero, false);
+        lo[m] = _mm512_add_pd(lo[2 * m], up(l, zero, by));
+    }
+    if (n % 2) lo[n / 2] = lo[n - 1];
+    if (n % 2 && two) hi[n / 2] = by == 1 ? zero : hi[n - 1];
+    return (n + 1) / 2;
+}
+
+// Row r = sum_j x^j sum[j], neighbours first; beyond: what belongs to the places from 8 on.
+INLINE void finish(const task *t, int r, const __m512d *sum, int columns, bool two, bool nine, __m512d beyond)
+{
+    __m512d l[LANES], h[LANES], lo, hi;
+    int n = columns < LANES ? columns : LANES;
 #pragma GCC unroll 8
-        for (int i = 0; i < rows; i++)
-            near[i] = i + 1 < rows ? near[i + 1] : zero, far[i] = i + 1 < rows ? far[i + 1] : zero;
+    for (int j = 0; j < n; j++) l[j] = sum[j];
+    n = fold(l, h, n, 1, two);
+    n = fold(l, h, n, 2, two);
+    n = fold(l, h, n, 4, two);
+    lo = l[0], hi = two ? h[0] : l[0];
+    if (columns > LANES) hi = _mm512_add_pd(hi, sum[LANES]);
+    if (nine) hi = _mm512_add_pd(hi, beyond);
+    double *out = t->out + r * t->columns;
+    put(t, out, divided(lo, t->row[r], t->column, t->row_inverse[r], t->column_inverse));
+    if (!two) return;
+    hi = divided(hi, t->row[r], t->column + LANES, t->row_inverse[r], t->column_inverse + LANES);
+    put(t, out + LANES, hi);
+}
+
+// The last column of degrees 8 + 8 in two rows: its binomial is 1.
+INLINE void finish_corners(const task *t, int r, __m128d x)
+{
+    __m128d d = _mm_loadu_pd(t->row + r), i = _mm_loadu_pd(t->row_inverse + r); // beyond the row: not stored
+    __m128d q = _mm_mul_pd(x, i), rest = _mm_fnmadd_pd(q, d, x);
+    q = _mm_mask3_fmadd_pd(rest, i, q, _mm_cmp_pd_mask(rest, rest, _CMP_ORD_Q));
+    double *out = t->out + r * t->columns + 2 * LANES;
+    _mm_storel_pd(out, q);
+    if (r + 1 < t->rows) _mm_storeh_pd(out + t->columns, q);
+}
+
+// The sums of two rows of the result.
+typedef struct sums {
+    __m512d even[MOST], odd[MOST], even_beyond, odd_beyond;
+    __m128d corners;
+} sums;
+
+// += a row of a times a row of b, v, and the row after it, w, with their ninths.
+INLINE void meet(sums *s, const double *a, __m512d v, __m512d w, const double *ninths, int columns, bool nine,
+                 bool fresh)
+{
+    __m512d x = v;
+#pragma GCC unroll 9
+    for (int j = 0; j < columns; j++) {
+        x = _mm512_set1_pd(a[j]);
+        s->even[j] = fresh ? _mm512_mul_pd(x, v) : _mm512_fmadd_pd(x, v, s->even[j]);
+        s->odd[j] = fresh ? _mm512_mul_pd(x, w) : _mm512_fmadd_pd(x, w, s->odd[j]);
     }
-#pragma GCC unroll 8
-    for (int i = 0; i < rows - 1; i++) {
-        if (two)
-            put(t, t->rows_b + i, near[i], far[i], true);
-        else
-            put(t, t->rows_b + i, _mm512_add_pd(near[i], far[i]), zero, false);
+    if (!nine) return;
+    __m128d c = _mm_loadu_pd(ninths), last = _mm512_castpd512_pd128(x);
+    s->corners = fresh ? _mm_mul_pd(last, c) : _mm_fmadd_pd(last, c, s->corners);
+    x = _mm512_load_pd(a);
+    __m512d n = _mm512_set1_pd(ninths[0]), m = _mm512_set1_pd(ninths[1]);
+    s->even_beyond = fresh ? _mm512_mul_pd(x, n) : _mm512_fmadd_pd(x, n, s->even_beyond);
+    s->odd_beyond = fresh ? _mm512_mul_pd(x, m) : _mm512_fmadd_pd(x, m, s->odd_beyond);
+}
+
+// Rows r and r + 1 of the result, r even. columns: of a.
+INLINE void sweep(const task *t, int columns, bool two, bool nine)
+{
+    for (int r = 0; r < t->rows; r += 2) {
+        int from = r < t->rows_b ? 0 : r - t->rows_b + 1, to = r + 1 < t->rows_a ? r + 1 : t->rows_a - 1;
+        const pair *p = t->terms, *end = p + t->nterms;
+        const double(*b)[LANES] = &p->b->row[r + 1], *ninths = p->b->ninth + r + 1;
+        int i = from;
+        sums s;
+        meet(&s, p->a->row[i], _mm512_load_pd(b[-i]), _mm512_load_pd(b[1 - i]), ninths - i, columns, nine, true);
+        for (i++;; i = from, b = &p->b->row[r + 1], ninths = p->b->ninth + r + 1) {
+#pragma GCC unroll 1
+            for (; i <= to; i++)
+                meet(&s, p->a->row[i], _mm512_load_pd(b[-i]), _mm512_load_pd(b[1 - i]), ninths - i, columns, nine,
+                     false);
+            if (++p == end) break;
+        }
+        finish(t, r, s.even, columns, two, nine, s.even_beyond);
+        if (r + 1 < t->rows) finish(t, r + 1, s.odd, columns, two, nine, s.odd_beyond);
+        if (nine) finish_corners(t, r, s.corners);
     }
 }
 
-OUTLINE void sweep_one(const task *t)
+// Constant numbers of columns, so that the sums live in registers.
+OUTLINE void sweep_narrow(const task *t, int columns)
 {
-    switch (t->rows_a) {
-    case 1: sweep(t, 1, false); break;
-    case 2: sweep(t, 2, false); break;
-    case 3: sweep(t, 3, false); break;
-    case 4: sweep(t, 4, false); break;
-    case 5: sweep(t, 5, false); break;
-    case 6: sweep(t, 6, false); break;
-    case 7: sweep(t, 7, false); break;
-    default: sweep(t, 8, false); break;
+    switch (columns) {
+    case 1: sweep(t, 1, false, false); break;
+    case 2: sweep(t, 2, false, false); break;
+    case 3: sweep(t, 3, false, false); break;
+    default: sweep(t, 4, false, false); break;
     }
 }
 
-OUTLINE void sweep_two(const task *t)
+OUTLINE void sweep_wide(const task *t, int columns)
 {
-    switch (t->rows_a) {
-    case 1: sweep(t, 1, true); break;
-    case 2: sweep(t, 2, true); break;
-    case 3: sweep(t, 3, true); break;
-    case 4: sweep(t, 4, true); break;
-    case 5: sweep(t, 5, true); break;
-    case 6: sweep(t, 6, true); break;
-    case 7: sweep(t, 7, true); break;
-    default: sweep(t, 8, true); break;
+    switch (columns) {
+    case 2: sweep(t, 2, true, false); break;
+    case 3: sweep(t, 3, true, false); break;
+    case 4: sweep(t, 4, true, false); break;
+    case 5: sweep(t, 5, true, false); break;
+    case 6: sweep(t, 6, true, false); break;
+    case 7: sweep(t, 7, true, false); break;
+    case 8: sweep(t, 8, true, false); break;
+    default: sweep(t, 9, true, false); break;
     }
 }
 
-OUTLINE void run(double *out, const kn_small_operand *a, const kn_small_operand *b, const kn_term *terms, int nterms)
+OUTLINE void sweep_nine(const task *t)
 {
-    packed pa, pb;
-    double sums[2 * MOST_ROWS - 1][2 * LANES];
+    sweep(t, 9, true, true);
+}
+
+// Fewer columns are fewer sums, but the lanes take eight, or nine with nine.
+static bool swaps(int columns_a, int columns_b)
+{
+    int low = columns_a < columns_b ? columns_a : columns_b, high = columns_a + columns_b - low;
+    return columns_b != (high > LANES && low <= LANES ? low : high);
+}
+
+// Columns of the one that is spread, and of the one in the lanes.
+INLINE void run_task(task *t, int columns, int other)
+{
+    if (columns + other - 1 <= LANES && columns <= 4)
+        sweep_narrow(t, columns);
+    else if (other > LANES)
+        sweep_nine(t);
+    else
+        sweep_wide(t, columns);
+}
+
+INLINE void task_init(task *t, const kn_small_operand *a, const kn_small_operand *b)
+{
+    t->rows_a = a->rows, t->rows_b = b->rows, t->rows = a->rows + b->rows - 1;
+    t->columns = a->columns + b->columns - 1;
+    t->row = kn_pascal(t->rows - 1), t->row_inverse = kn_pascal_inverse(t->rows - 1);
+    t->column = kn_pascal(t->columns - 1), t->column_inverse = kn_pascal_inverse(t->columns - 1);
+}
+
+// ---- squares of the usual degrees, all loops unrolled ----
+// rows = columns for both operands, which nothing has packed yet; b's rows stay in registers.
+INLINE void square(double *out, const double *from_a, const double *from_b, int size)
+{
+    const int all = 2 * size - 1;
+    const bool two = all > LANES;
+    const double *row = kn_pascal(size - 1);
+    __mmask8 used = first(size);
+    __m512d column = _mm512_loadu_pd(row), b[MOST], zero = _mm512_setzero_pd();
+    spread a;
+    task t = {.columns = all, .out = out, .end = out + all * all};
+    t.row = t.column = kn_pascal(all - 1), t.row_inverse = t.column_inverse = kn_pascal_inverse(all - 1);
+#pragma GCC unroll 6
+    for (int i = 0; i < size; i++) {
+        __m512d w = _mm512_mul_pd(_mm512_set1_pd(row[i]), column);
+        _mm512_store_pd(a.row[i], _mm512_mul_pd(w, _mm512_maskz_loadu_pd(used, from_a + i * size)));
+        b[i] = _mm512_mul_pd(w, _mm512_maskz_loadu_pd(used, from_b + i * size));
+    }
+#pragma GCC unroll 11
+    for (int r = 0; r < all; r++) {
+        __m512d sum[MOST];
+        int low = r < size ? 0 : r - size + 1, high = r < size ? r + 1 : size;
+#pragma GCC unroll 6
+        for (int i = low; i < high; i++)
+#pragma GCC unroll 6
+            for (int j = 0; j < size; j++) {
+                __m512d x = _mm512_set1_pd(a.row[i][j]);
+                sum[j] = i == low ? _mm512_mul_pd(x, b[r - i]) : _mm512_fmadd_pd(x, b[r - i], sum[j]);
+            }
+        finish(&t, r, sum, size, two, false, zero);
+    }
+}
+
+OUTLINE void square_2(double *out, const double *a, const double *b)
+{
+    square(out, a, b, 2);
+}
+OUTLINE void square_3(double *out, const double *a, const double *b)
+{
+    square(out, a, b, 3);
+}
+OUTLINE void square_4(double *out, const double *a, const double *b)
+{
+    square(out, a, b, 4);
+}
+OUTLINE void square_5(double *out, const double *a, const double *b)
+{
+    square(out, a, b, 5);
+}
+OUTLINE void square_6(double *out, const double *a, const double *b)
+{
+    square(out, a, b, 6);
+}
+
+// Those of one component; false for other sizes.
+static bool squares(double *out, const kn_small_operand *a, const kn_small_operand *b)
+{
+    if (a->rows != a->columns || b->rows != b->columns || a->rows != b->rows) return false;
+    switch (a->rows) {
+    case 2: square_2(out, a->coef, b->coef); return true;
+    case 3: square_3(out, a->coef, b->coef); return true;
+    case 4: square_4(out, a->coef, b->coef); return true;
+    case 5: square_5(out, a->coef, b->coef); return true;
+    case 6: square_6(out, a->coef, b->coef); return true;
+    default: return false;
+    }
+}
+
+// Component c of an operand of dimension 1 or more; beyond all of them its weight.
+INLINE const double *component(const kn_small_operand *o, int c, int dim)
+{
+    int n = c == dim ? o->ncomp : o->ncomp > 1 ? c : 0;
+    return n == o->ncomp && o->with_one ? NULL : o->coef + n * o->rows * o->columns;
+}
+
+OUTLINE void product(double *out, const kn_small_operand *a, const kn_small_operand *b, bool rational)
+{
+    spread pa;
+    lanes pb;
+    const pair term = {&pa, &pb};
     task t;
-    pack(pa, a);
-    pack(pb, b);
-    t.rows_a = a->rows, t.rows_b = b->rows, t.columns_a = a->columns, t.places = LANES + 1 - b->columns;
-    t.columns = a->columns + b->columns - 1;
-    int rows = a->rows + b->rows - 1;
-    t.row = kn_pascal(rows - 1), t.row_inverse = kn_pascal_inverse(rows - 1);
-    t.column = kn_pascal(t.columns - 1), t.column_inverse = kn_pascal_inverse(t.columns - 1);
-    t.sums = sums;
-    for (int i = 0; i < nterms; i++) {
-        t.first = i == 0 || terms[i - 1].to != terms[i].to;
-        t.last = i + 1 == nterms || terms[i + 1].to != terms[i].to;
-        t.a = pa[terms[i].a][0], t.b = pb[terms[i].b][0], t.sign = terms[i].sign;
-        t.out = out + (size_t)terms[i].to * (size_t)(rows * t.columns);
-        if (t.columns_a <= t.places)
-            sweep_one(&t);
-        else
-            sweep_two(&t);
+    int dim = a->ncomp > b->ncomp ? a->ncomp : b->ncomp;
+    task_init(&t, a, b);
+    t.terms = &term, t.nterms = 1, t.out = out;
+    for (int c = 0; c < dim + rational; c++, t.out = t.end) {
+        if (c == 0 || c == dim || a->ncomp > 1) pack_spread(&pa, component(a, c, dim), a->rows, a->columns, 1.0);
+        if (c == 0 || c == dim || b->ncomp > 1) pack_lanes(&pb, component(b, c, dim), b->rows, b->columns);
+        t.end = t.out + t.rows * t.columns;
+        run_task(&t, a->columns, b->columns);
+    }
+}
+
+void kn_small_product(double *out, const kn_small_operand *a, const kn_small_operand *b, bool rational)
+{
+    if (a->ncomp == 1 && b->ncomp == 1 && !rational && squares(out, a, b)) return;
+    bool swap = swaps(a->columns, b->columns);
+    product(out, swap ? b : a, swap ? a : b, rational);
+}
+
+// ---- sums of products ----
+enum { MOST_PAIRS = 2 * KN_MAX_COMPS }; // as in bezier/combine.h
+
+// Negative terms have a negative first factor.
+OUTLINE void run(double *out, const kn_small_operand *a, const kn_small_operand *b, const kn_term *terms, int nterms,
+                 bool swap)
+{
+    spread pa[2 * MOST_COMPS];
+    lanes pb[MOST_COMPS];
+    pair pairs[MOST_PAIRS];
+    task t;
+    bool minus = false;
+    int na = a->ncomp + a->with_one, nb = b->ncomp + b->with_one;
+    for (int i = 0; i < nterms; i++) minus |= terms[i].sign < 0.0;
+    for (int c = 0; c < na; c++) {
+        const double *from = c < a->ncomp ? a->coef + c * a->rows * a->columns : NULL;
+        pack_spread(&pa[c], from, a->rows, a->columns, 1.0);
+        if (minus) pack_spread(&pa[MOST_COMPS + c], from, a->rows, a->columns, -1.0);
+    }
+    for (int c = 0; c < nb; c++)
+        pack_lanes(&pb[c], c < b->ncomp ? b->coef + c * b->rows * b->columns : NULL, b->rows, b->columns);
+    task_init(&t, a, b);
+    t.terms = pairs, t.end = out;
+    for (int i = 0; i < nterms;) {
+        int to = terms[i].to;
+        for (t.nterms = 0; i < nterms && terms[i].to == to; i++) {
+            int ca = swap ? terms[i].b : terms[i].a, cb = swap ? terms[i].a : terms[i].b;
+            pairs[t.nterms++] = (pair){&pa[ca + (terms[i].sign < 0.0 ? MOST_COMPS : 0)], &pb[cb]};
+        }
+        t.out = t.end, t.end += t.rows * t.columns;
+        run_task(&t, a->columns, b->columns);
     }
 }
 
 void kn_small_run(double *out, const kn_small_operand *a, const kn_small_operand *b, const kn_term *terms, int nterms)
 {
-    run(out, a, b, terms, nterms);
+    bool swap = swaps(a->columns, b->columns);
+    run(out, swap ? b : a, swap ? a : b, terms, nterms, swap);
 }
 #else
-bool kn_small_fits(int rows_a, int columns_a, int na, int rows_b, int columns_b, int nb)
+void kn_small_product(double *out, const kn_small_operand *a, const kn_small_operand *b, bool rational)
 {
-    (void)rows_a, (void)columns_a, (void)na, (void)rows_b, (void)columns_b, (void)nb;
-    return false;
+    (void)out, (void)a, (void)b, (void)rational;
 }
 
 void kn_small_run(double *out, const kn_small_operand *a, const kn_small_operand *b, const kn_term *terms, int nterms)

@@ -1,9 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// Determinants of pieces; storage: results use out's array again, repeated operations allocate nothing, in place gives
-// the same bits; non-finite coefficients pass through.
+// Determinants of pieces; storage: results use out's array again, repeated operations allocate nothing, in place
+// gives the same bits; small products of every shape; non-finite coefficients pass through.
 #include "bezier/shape.h"
+#include "kernel/bernstein.h"
+#include "kernel/convolve.h"
+#include "kernel/convolve_small.h"
 #include "tests/bezier/reference.h"
 
+#include <float.h>
 #include <math.h>
 #include <string.h>
 
@@ -206,25 +210,185 @@ static void storage(void **state)
     test_ctx_end(ctx, &memory);
 }
 
-// What is not finite does not become finite, and rows without it stay as they are.
+// ---- small products, each shape of which may go its own way ----
+enum { MOST = 10, MOST_RESULT = (2 * MOST - 1) * (2 * MOST - 1) };
+
+// sums += sign * component ca of a * component cb of b, times the binomials of the result; -1: the constant 1.
+static void add_product(double *sums, const kn_bezier *a, int ca, const kn_bezier *b, int cb, double sign)
+{
+    double x[MOST * MOST], y[MOST * MOST];
+    size_t na = kn_bezier_count(a), nb = kn_bezier_count(b);
+    kn_bernstein_weights(x, a->nvars, a->degree);
+    kn_bernstein_weights(y, b->nvars, b->degree);
+    for (size_t i = 0; i < na && ca >= 0; i++) x[i] *= a->coef[(size_t)ca * na + i];
+    for (size_t i = 0; i < nb && cb >= 0; i++) y[i] *= b->coef[(size_t)cb * nb + i];
+    kn_convolve_plain(sums, a->nvars, x, a->degree, y, b->degree, sign);
+}
+
+// Sums of integers are exact, and each is rounded once when it is divided.
+static void assert_quotients(const kn_bezier *c, int comp, const double *sums)
+{
+    double weights[MOST_RESULT];
+    size_t n = kn_bezier_count(c);
+    kn_bernstein_weights(weights, c->nvars, c->degree);
+    for (size_t i = 0; i < n; i++)
+        if (c->coef[(size_t)comp * n + i] != sums[i] / weights[i])
+            fail_msg("component %d, place %zu: %g, not %g (degrees .., %d)", comp, i, c->coef[(size_t)comp * n + i],
+                     sums[i] / weights[i], c->degree[c->nvars - 1]);
+}
+
+// c_k and the sum of the absolute values of its terms, in long double.
+static void exact_product(long double *c, long double *size, const kn_bezier *a, const kn_bezier *b)
+{
+    double wa[MOST * MOST], wb[MOST * MOST], wc[MOST_RESULT];
+    int p = b->degree[0], q = b->degree[1], columns = a->degree[1] + q + 1;
+    const int degree[2] = {a->degree[0] + p, columns - 1};
+    kn_bernstein_weights(wa, 2, a->degree);
+    kn_bernstein_weights(wb, 2, b->degree);
+    kn_bernstein_weights(wc, 2, degree);
+    for (int k = 0; k < (degree[0] + 1) * columns; k++) c[k] = size[k] = 0.0L;
+    for (int i = 0, ij = 0; i <= a->degree[0]; i++)
+        for (int j = 0; j <= a->degree[1]; j++, ij++)
+            for (int k = 0, kl = 0; k <= p; k++)
+                for (int l = 0; l <= q; l++, kl++) {
+                    int at = (i + k) * columns + j + l;
+                    long double term = (long double)(wa[ij] * wb[kl]) * a->coef[ij] * b->coef[kl] / wc[at];
+                    c[at] += term, size[at] += fabsl(term);
+                }
+}
+
+// gamma(n) <= (n + 1) u for these n. Small products sum rows, then the rows' sums (kernel/convolve_small.h); 6 are
+// the scaled operands and the division. The other sum has T + 5 roundings.
+static void check_bound(const kn_bezier *a, const kn_bezier *b, const kn_bezier *c)
+{
+    long double exact[MOST_RESULT], size[MOST_RESULT];
+    int r = a->degree[0] < b->degree[0] ? a->degree[0] + 1 : b->degree[0] + 1;
+    int t = a->degree[1] < b->degree[1] ? a->degree[1] + 1 : b->degree[1] + 1;
+    bool small = kn_small_here();
+    for (int d = 0; d < 2; d++) small = small && a->degree[d] < MOST - 1 && b->degree[d] < MOST - 1;
+    long double bound = (long double)((small ? r + t : r * t) + 7) * (DBL_EPSILON / 2);
+    bound += (long double)(r * t + 6) * LDBL_EPSILON;
+    exact_product(exact, size, a, b);
+    for (size_t i = 0; i < kn_bezier_count(c); i++)
+        assert_true(fabsl((long double)c->coef[i] - exact[i]) <= bound * size[i]);
+}
+
+static void every_small_shape(void **state)
+{
+    (void)state;
+    test_memory memory = TEST_MEMORY_INIT;
+    kn_ctx *ctx = test_ctx(&memory, 1);
+    test_rng rng = test_random(4);
+    double sums[MOST_RESULT];
+    int round = 0;
+    for (int shape = 0; shape < MOST * MOST * MOST * MOST; shape++) {
+        const int da[2] = {shape % MOST, shape / MOST % MOST};
+        const int db[2] = {shape / (MOST * MOST) % MOST, shape / (MOST * MOST * MOST)};
+        kn_bezier a, b, c = {0};
+        test_random_bezier(ctx, &a, &rng, 2, 1, false, da, 9);
+        test_random_bezier(ctx, &b, &rng, 2, 1, false, db, 9);
+        memset(sums, 0, sizeof sums);
+        add_product(sums, &a, 0, &b, 0, 1.0);
+        assert_int_equal(kn_bezier_product(ctx, &c, &a, &b), KN_OK);
+        assert_true(c.nvars == 2 && c.degree[0] == da[0] + db[0] && c.degree[1] == da[1] + db[1]);
+        assert_quotients(&c, 0, sums);
+        bool square = da[0] == da[1] && da[0] == db[0] && db[0] == db[1];
+        if (square || round++ % 5 == 0) {
+            for (size_t i = 0; i < kn_bezier_count(&a); i++) a.coef[i] = test_uniform(&rng, -1, 1);
+            for (size_t i = 0; i < kn_bezier_count(&b); i++) b.coef[i] = test_uniform(&rng, -1, 1);
+            assert_int_equal(kn_bezier_product(ctx, &c, &a, &b), KN_OK); // into c's own array
+            check_bound(&a, &b, &c);
+            kn_bezier *to = round % 2 ? &a : &b;
+            assert_int_equal(kn_bezier_product(ctx, to, &a, &b), KN_OK);
+            ref_assert_same(to, &c);
+        }
+        kn_bezier_clear(ctx, &a);
+        kn_bezier_clear(ctx, &b);
+        kn_bezier_clear(ctx, &c);
+    }
+    test_ctx_end(ctx, &memory);
+}
+
+// Components, weights, curves; sums of products by dot and cross.
+static void small_components(void **state)
+{
+    (void)state;
+    test_memory memory = TEST_MEMORY_INIT;
+    kn_ctx *ctx = test_ctx(&memory, 1);
+    test_rng rng = test_random(5);
+    double sums[MOST_RESULT];
+    kn_bezier c = {0};
+    for (int round = test_scale(600); round > 0; round--) {
+        int nvars = test_int(&rng, 1, 2), na = test_int(&rng, 1, 2) == 1 ? 1 : 3,
+            nb = test_int(&rng, 1, 2) == 1 ? 1 : 3;
+        bool ra = test_int(&rng, 0, 2) == 0, rb = test_int(&rng, 0, 2) == 0;
+        int da[2], db[2];
+        for (int d = 0; d < 2; d++) da[d] = test_int(&rng, 0, MOST - 1), db[d] = test_int(&rng, 0, MOST - 1);
+        kn_bezier a, b;
+        test_random_bezier(ctx, &a, &rng, nvars, na + ra, ra, da, 9);
+        test_random_bezier(ctx, &b, &rng, nvars, nb + rb, rb, db, 9);
+        int dim = na > nb ? na : nb;
+        for (int kind = 0; kind < 3; kind++) {
+            if (kind > 0 && na != nb) continue;
+            if (kind == 2 && na != 3) continue;
+            kn_status status = kind == 0   ? kn_bezier_product(ctx, &c, &a, &b)
+                               : kind == 1 ? kn_bezier_dot(ctx, &c, &a, &b)
+                                           : kn_bezier_cross(ctx, &c, &a, &b);
+            assert_int_equal(status, KN_OK);
+            assert_int_equal(c.rational, ra || rb);
+            assert_int_equal(kn_bezier_dim(&c), kind == 1 ? 1 : dim);
+            for (int k = 0; k < c.ncomp; k++) {
+                memset(sums, 0, sizeof sums);
+                if (k == kn_bezier_dim(&c)) {
+                    add_product(sums, &a, ra ? na : -1, &b, rb ? nb : -1, 1.0);
+                } else if (kind == 0) {
+                    add_product(sums, &a, na > 1 ? k : 0, &b, nb > 1 ? k : 0, 1.0);
+                } else if (kind == 1) {
+                    for (int i = 0; i < dim; i++) add_product(sums, &a, i, &b, i, 1.0);
+                } else {
+                    add_product(sums, &a, (k + 1) % 3, &b, (k + 2) % 3, 1.0);
+                    add_product(sums, &a, (k + 2) % 3, &b, (k + 1) % 3, -1.0);
+                }
+                assert_quotients(&c, k, sums);
+            }
+        }
+        kn_bezier_clear(ctx, &a);
+        kn_bezier_clear(ctx, &b);
+    }
+    kn_bezier_clear(ctx, &c);
+    test_ctx_end(ctx, &memory);
+}
+
+// An infinite coefficient: what has it in its sum is not finite; all else is as it was with a number there, or NaN.
 static void not_finite(void **state)
 {
     (void)state;
     test_memory memory = TEST_MEMORY_INIT;
     kn_ctx *ctx = test_ctx(&memory, 1);
-    const int degree[2] = {2, 1};
-    kn_bezier a, b, c = {0};
-    assert_int_equal(kn_bezier_init(ctx, &a, 2, 1, false, degree), KN_OK);
-    assert_int_equal(kn_bezier_init(ctx, &b, 2, 1, false, degree), KN_OK);
-    for (int i = 0; i < 6; i++) a.coef[i] = b.coef[i] = 1.0;
-    a.coef[2] = INFINITY; // row 1
-    b.coef[5] = 2.0;
-    assert_int_equal(kn_bezier_product(ctx, &c, &a, &b), KN_OK);
-    assert_true(c.coef[0] == 1.0 && c.coef[1] == 1.0 && c.coef[2] == 1.0); // row 0 takes row 0 of both alone
-    assert_true(!isfinite(c.coef[3]) && !isfinite(c.coef[6]) && !isfinite(c.coef[9]));
-    kn_bezier_clear(ctx, &a);
-    kn_bezier_clear(ctx, &b);
+    test_rng rng = test_random(6);
+    kn_bezier c = {0}, with = {0};
+    for (int round = test_scale(150); round > 0; round--) {
+        int da[2], db[2];
+        for (int d = 0; d < 2; d++) da[d] = test_int(&rng, 0, MOST - 1), db[d] = test_int(&rng, 0, MOST - 1);
+        if (round % 2) da[0] = da[1] = db[0] = db[1] = round / 2 % MOST;
+        kn_bezier a, b;
+        test_random_bezier(ctx, &a, &rng, 2, 1, false, da, 9);
+        test_random_bezier(ctx, &b, &rng, 2, 1, false, db, 9);
+        assert_int_equal(kn_bezier_product(ctx, &c, &a, &b), KN_OK);
+        int i = test_int(&rng, 0, da[0]), j = test_int(&rng, 0, da[1]);
+        a.coef[i * (da[1] + 1) + j] = round % 3 ? INFINITY : NAN;
+        assert_int_equal(kn_bezier_product(ctx, &with, &a, &b), KN_OK);
+        for (int k = 0, at = 0; k <= c.degree[0]; k++)
+            for (int l = 0; l <= c.degree[1]; l++, at++) {
+                bool meets = k >= i && k - i <= db[0] && l >= j && l - j <= db[1];
+                double x = with.coef[at];
+                assert_true(meets ? !isfinite(x) : isnan(x) || x == c.coef[at]);
+            }
+        kn_bezier_clear(ctx, &a);
+        kn_bezier_clear(ctx, &b);
+    }
     kn_bezier_clear(ctx, &c);
+    kn_bezier_clear(ctx, &with);
     test_ctx_end(ctx, &memory);
 }
 
@@ -260,6 +424,8 @@ int main(void)
         cmocka_unit_test(nothing_is_allocated_again),
         cmocka_unit_test(in_place_with_the_same_size),
         cmocka_unit_test(storage),
+        cmocka_unit_test(every_small_shape),
+        cmocka_unit_test(small_components),
         cmocka_unit_test(not_finite),
         cmocka_unit_test(out_of_memory),
     };
