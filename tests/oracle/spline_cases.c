@@ -196,6 +196,23 @@ void spline_join_sizes(exact *out, const kn_spline *r, exact_piece f, void *user
     exact_free(&piece), exact_free(&value);
 }
 
+int spline_fresh_arguments(const kn_spline *r, const kn_spline *a, int var)
+{
+    int most = 0;
+    for (int j = 0; j < r->count[var]; j++) {
+        const double *t = r->knots[var];
+        int fresh = 0;
+        for (int i = j + 1; i <= j + r->degree[var]; i++) {
+            int times = 0, here = 0; // in a, and up to i
+            for (int k = 0; k <= a->count[var] + a->degree[var]; k++) times += a->knots[var][k] == t[i];
+            for (int k = j + 1; k <= i; k++) here += t[k] == t[i];
+            fresh += here > times;
+        }
+        most = fresh > most ? fresh : most;
+    }
+    return most;
+}
+
 typedef struct formula {
     const spline_term *terms;
     int n;

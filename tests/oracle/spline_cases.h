@@ -30,6 +30,8 @@ typedef struct spline_sum {
 // Judges r's coefficients against the sum on r's knots, and gamma(roundings) times that of absolute values.
 void spline_judge_sum(spline_world *w, exact_judge_t *judge, const kn_spline *r, spline_sum f, const int *roundings,
                       int all);
+// The most arguments of a coefficient of r that are no knots of a, in a variable.
+int spline_fresh_arguments(const kn_spline *r, const kn_spline *a, int var);
 
 // Sums of products of components; comp == kn_spline_dim of a spline: its weight, or 1.
 typedef struct spline_term {

@@ -197,8 +197,7 @@ static int sum_roundings(spline_world *w, const kn_spline *a, const kn_spline *c
     int n = elevation_roundings(a, c->degree) + 1;
     assert_int_equal(kn_spline_elevate(w->ctx, &e, a, c->degree), KN_OK);
     for (int d = 0; d < a->nvars; d++) {
-        int fresh = c->count[d] - e.count[d];
-        if (fresh > 0) n += refinement_roundings(&e, d, fresh);
+        if (c->count[d] > e.count[d]) n += refinement_roundings(&e, d, spline_fresh_arguments(c, &e, d));
     }
     kn_spline_clear(w->ctx, &e);
     return n;

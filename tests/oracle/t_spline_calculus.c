@@ -47,31 +47,13 @@ static void size_piece(exact *out, const double *at, void *user)
     exact_free(&x);
 }
 
-// The most arguments of a coefficient of r that are no knots of a.
-static int fresh_arguments(const kn_spline *r, const kn_spline *a, int var)
-{
-    int most = 0;
-    for (int j = 0; j < r->count[var]; j++) {
-        const double *t = r->knots[var];
-        int fresh = 0;
-        for (int i = j + 1; i <= j + r->degree[var]; i++) {
-            int times = 0, here = 0; // in a, and up to i
-            for (int k = 0; k <= a->count[var] + a->degree[var]; k++) times += a->knots[var][k] == t[i];
-            for (int k = j + 1; k <= i; k++) here += t[k] == t[i];
-            fresh += here > times;
-        }
-        most = fresh > most ? fresh : most;
-    }
-    return most;
-}
-
 // gamma(7 p_v + sum_(d != v) (6 u_d + 1)), and what adds the partials up.
 static void judge_partials(spline_world *w, exact_judge_t *judge, const kn_spline *r, int comp, partials *p)
 {
     int most = 0;
     for (int i = 0; i < p->n; i++) {
         int n = 7 * p->a->degree[p->var[i]];
-        for (int d = 0; d < p->a->nvars; d++) n += d != p->var[i] ? 6 * fresh_arguments(r, p->a, d) + 1 : 0;
+        for (int d = 0; d < p->a->nvars; d++) n += d != p->var[i] ? 6 * spline_fresh_arguments(r, p->a, d) + 1 : 0;
         most = n > most ? n : most;
     }
     exact_spline_coefs(&w->value, r, value_piece, p);
