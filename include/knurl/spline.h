@@ -321,8 +321,8 @@ KN_API KN_CHECKED kn_status kn_spline_to_bezier(kn_ctx *ctx, kn_bezier **pieces,
 //         not checked. Coefficients that one piece has already are copied bit for bit.
 // fails:  KN_EDOMAIN shapes differ, breaks, continuity; KN_ELIMIT.
 // error:  in each variable gamma(6 p + 1) J max |c|, J with the factors' absolute values, and errors of the pieces
-//         grow by J, the largest such sum. On equal spans J = 1 at continuity 0 and for C1 quadratics, 3 for C2 cubics, 9
-//         and 45 for quartics and quintics of the highest continuity; it grows with uneven spans.
+//         grow by J, the largest such sum. On equal spans J = 1 at continuity 0 and for C1 quadratics, 3 for C2 cubics,
+//         9 and 45 for quartics and quintics of the highest continuity; it grows with uneven spans.
 KN_API KN_CHECKED kn_status kn_spline_from_bezier(kn_ctx *ctx, kn_spline *out, const kn_bezier *pieces,
                                                   const int *nbreaks, const double *const *breaks,
                                                   const int *continuity);
