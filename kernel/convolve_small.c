@@ -184,11 +184,11 @@ typedef struct sums {
     __m128d corners;
 } sums;
 
-// += a row of a times a row of b, v, and the row after it, w, with their ninths.
-INLINE void meet(sums *s, const double *a, __m512d v, __m512d w, const double *ninths, int columns, bool nine,
-                 bool fresh)
+// += row i of a times row k of b, and row k + 1.
+INLINE void meet(sums *s, const spread *from_a, const lanes *b, int i, int k, int columns, bool nine, bool fresh)
 {
-    __m512d x = v;
+    const double *a = from_a->row[i], *ninths = b->ninth + k;
+    __m512d v = _mm512_load_pd(b->row[k]), w = _mm512_load_pd(b->row[k + 1]), x = v;
 #pragma GCC unroll 9
     for (int j = 0; j < columns; j++) {
         x = _mm512_set1_pd(a[j]);
@@ -210,15 +210,12 @@ INLINE void sweep(const task *t, int columns, bool two, bool nine)
     for (int r = 0; r < t->rows; r += 2) {
         int from = r < t->rows_b ? 0 : r - t->rows_b + 1, to = r + 1 < t->rows_a ? r + 1 : t->rows_a - 1;
         const pair *p = t->terms, *end = p + t->nterms;
-        const double(*b)[LANES] = &p->b->row[r + 1], *ninths = p->b->ninth + r + 1;
-        int i = from;
+        int i = from, k = r - from + 1; // in the lanes, where row 0 is zero
         sums s;
-        meet(&s, p->a->row[i], _mm512_load_pd(b[-i]), _mm512_load_pd(b[1 - i]), ninths - i, columns, nine, true);
-        for (i++;; i = from, b = &p->b->row[r + 1], ninths = p->b->ninth + r + 1) {
+        meet(&s, p->a, p->b, i, k, columns, nine, true);
+        for (i++, k--;; i = from, k = r - from + 1) {
 #pragma GCC unroll 1
-            for (; i <= to; i++)
-                meet(&s, p->a->row[i], _mm512_load_pd(b[-i]), _mm512_load_pd(b[1 - i]), ninths - i, columns, nine,
-                     false);
+            for (; i <= to; i++, k--) meet(&s, p->a, p->b, i, k, columns, nine, false);
             if (++p == end) break;
         }
         finish(t, r, s.even, columns, two, nine, s.even_beyond);
@@ -337,17 +334,20 @@ OUTLINE void square_6(double *out, const double *a, const double *b)
     square(out, a, b, 6);
 }
 
-// Those of one component; false for other sizes.
-static bool squares(double *out, const kn_small_operand *a, const kn_small_operand *b)
+static bool is_square(const kn_small_operand *a, const kn_small_operand *b)
 {
-    if (a->rows != a->columns || b->rows != b->columns || a->rows != b->rows) return false;
-    switch (a->rows) {
-    case 2: square_2(out, a->coef, b->coef); return true;
-    case 3: square_3(out, a->coef, b->coef); return true;
-    case 4: square_4(out, a->coef, b->coef); return true;
-    case 5: square_5(out, a->coef, b->coef); return true;
-    case 6: square_6(out, a->coef, b->coef); return true;
-    default: return false;
+    int n = a->rows;
+    return n >= 2 && n <= 6 && a->columns == n && b->rows == n && b->columns == n;
+}
+
+OUTLINE void run_square(double *out, const double *a, const double *b, int size)
+{
+    switch (size) {
+    case 2: square_2(out, a, b); break;
+    case 3: square_3(out, a, b); break;
+    case 4: square_4(out, a, b); break;
+    case 5: square_5(out, a, b); break;
+    default: square_6(out, a, b); break;
     }
 }
 
@@ -367,17 +367,26 @@ OUTLINE void product(double *out, const kn_small_operand *a, const kn_small_oper
     int dim = a->ncomp > b->ncomp ? a->ncomp : b->ncomp;
     task_init(&t, a, b);
     t.terms = &term, t.nterms = 1, t.out = out;
+    bool same = is_square(a, b);
     for (int c = 0; c < dim + rational; c++, t.out = t.end) {
-        if (c == 0 || c == dim || a->ncomp > 1) pack_spread(&pa, component(a, c, dim), a->rows, a->columns, 1.0);
-        if (c == 0 || c == dim || b->ncomp > 1) pack_lanes(&pb, component(b, c, dim), b->rows, b->columns);
+        const double *x = component(a, c, dim), *y = component(b, c, dim);
         t.end = t.out + t.rows * t.columns;
+        if (same && x && y) {
+            run_square(t.out, x, y, a->rows);
+            continue;
+        }
+        if (c == 0 || c == dim || a->ncomp > 1) pack_spread(&pa, x, a->rows, a->columns, 1.0);
+        if (c == 0 || c == dim || b->ncomp > 1) pack_lanes(&pb, y, b->rows, b->columns);
         run_task(&t, a->columns, b->columns);
     }
 }
 
 void kn_small_product(double *out, const kn_small_operand *a, const kn_small_operand *b, bool rational)
 {
-    if (a->ncomp == 1 && b->ncomp == 1 && !rational && squares(out, a, b)) return;
+    if (a->ncomp == 1 && b->ncomp == 1 && !rational && is_square(a, b)) {
+        run_square(out, a->coef, b->coef, a->rows);
+        return;
+    }
     bool swap = swaps(a->columns, b->columns);
     product(out, swap ? b : a, swap ? a : b, rational);
 }
