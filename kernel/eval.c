@@ -172,7 +172,7 @@ void kn_eval_grid_plain(double *out, const kn_eval_function *f, const size_t *n,
     int dim = f->ncomp - f->rational;
     for (int d = 0; d < f->nvars; d++) all *= (size_t)f->count[d], points *= n[d];
     for (size_t i = 0; i < points; i++, out += dim) {
-        double t[KN_MAX_VARS], value[KN_MAX_COMPS];
+        double t[KN_MAX_VARS] = {0}, value[KN_MAX_COMPS];
         size_t first = 0;
         for (int d = 0; d < f->nvars; d++) t[d] = at[d][k[d]];
         locate(&here, f, t);
