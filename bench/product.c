@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Products on one thread: Bezier surfaces of one and three components, small against large ones, and B-spline surfaces
-// on their minimal knots, beside the plain convolution and the machine's peak.
+// Products on one thread: Bezier surfaces of one and three components, small against large ones, and B-spline
+// surfaces on their minimal knots, beside the plain convolution and the machine's peak.
 #include "bench/bench.h"
 
 #include <math.h>
@@ -10,7 +10,7 @@
 #include "kernel/convolve.h"
 #include "kernel/bernstein.h"
 
-enum { WORK = 2000, SHAPES = 9, SPLINE_COUNT = 20, SPLINE_DEGREE = 3 };
+enum { WORK = 2000, SHAPES = 9, SPLINE_COUNT = 20, SPLINE_DEGREE = 3, SHORT_RUNS = 500 };
 
 typedef struct data {
     kn_ctx *ctx;
@@ -113,6 +113,20 @@ static void clear(data *d)
     d->work = d->sums = NULL;
 }
 
+// The least time of a product in many short runs, in microseconds: some fall where nothing else runs.
+static double least(data *d, double usual)
+{
+    double least = usual;
+    d->repeats = (long)(50.0 / usual) + 1;
+    for (int i = 0; i < SHORT_RUNS; i++) {
+        double start = bench_now(BENCH_WALL);
+        product(d);
+        double us = (bench_now(BENCH_WALL) - start) / (double)d->repeats * 1e6;
+        if (us < least) least = us;
+    }
+    return least;
+}
+
 static bool bezier_row(data *d, int m, int n, int ncomp, double best)
 {
     if (!make(d, m, n, ncomp)) return false;
@@ -120,9 +134,9 @@ static bool bezier_row(data *d, int m, int n, int ncomp, double best)
     bench_compare(r, 4, BENCH_THREAD);
     double flops = 2.0 * pow(m + 1, 2) * pow(n + 1, 2), done = flops * (double)d->repeats / d->peak_flops;
     double part = ncomp * done * r[1].ratio, floor_us = ncomp * flops / best * 1e6;
-    printf("%2d,%-2d x %2d,%-2d %5d %11.3f %11.3f %11.3f %9.1f %8.1f%% %9.1f%%\n", m, m, n, n, ncomp,
-           r[1].seconds / (double)d->repeats * 1e6, floor_us / part, floor_us, ncomp * r[1].ratio / r[3].ratio,
-           100 * part, 100 * done * r[2].ratio);
+    double us = r[1].seconds / (double)d->repeats * 1e6, sums = 100 * done * r[2].ratio;
+    printf("%2d,%-2d x %2d,%-2d %5d %11.3f %8.3f %11.3f %11.3f %9.1f %8.1f%% %9.1f%%\n", m, m, n, n, ncomp, us,
+           least(d, us), floor_us / part, floor_us, ncomp * r[1].ratio / r[3].ratio, 100 * part, sums);
     clear(d);
     return !d->failed;
 }
@@ -169,11 +183,11 @@ int main(void)
     bool ok = true;
     printf("peak of 1 thread, measured here: %.1f GFLOP/s (%s); products run %s\n", best / 1e9, isa,
            kn_convolve_level_name(kn_convolve_best()));
-    printf("Bezier surfaces  comps  product us     at peak    floor us   x plain  of peak  sums alone\n");
+    printf("Bezier surfaces  comps  product us    least     at peak    floor us   x plain  of peak  sums alone\n");
     for (int i = 0; i < SHAPES && ok; i++) ok = bezier_row(&d, shapes[i][0], shapes[i][1], shapes[i][2], best);
-    printf(
-        "floor: the multiply-adds at that peak; of peak: of the peak in the same rounds; at peak: floor / of peak, "
-        "what the product takes where nothing else runs; sums alone: without packing and division\n");
+    printf("least: of many short runs; floor: the multiply-adds at that peak; of peak: of the peak in the same "
+           "rounds; at peak: floor / of peak, "
+           "what the product takes where nothing else runs; sums alone: without packing and division\n");
     ok = ok && spline_row(&d, 1) && spline_row(&d, 3);
     printf("SISL has no product of surfaces: no peer in Debian. Medians of %d paired runs, processor time\n",
            BENCH_ROUNDS);
