@@ -36,7 +36,7 @@ void spline_end(spline_world *w)
 void spline_for_all(spline_world *w, exact_judge_t *judge, spline_case body)
 {
     for (int i = 0; i < NSHAPES; i++)
-        for (int kind = 0; kind < EXACT_KINDS; kind++)
+        for (exact_kind kind = EXACT_INTEGERS; kind < EXACT_KINDS; kind++)
             for (int round = test_scale(SHAPES[i].rounds); round > 0; round--) {
                 const shape *s = &SHAPES[i];
                 kn_spline a;

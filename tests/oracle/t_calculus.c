@@ -26,7 +26,7 @@ static void run(uint64_t salt, const char *const *names, int n, case_body body)
     exact_judge_t judge[2] = {{.name = names[0]}, {.name = names[n - 1]}};
     w.ctx = test_ctx(&w.memory, 1);
     for (int i = 0; i < NSHAPES; i++)
-        for (int kind = 0; kind < EXACT_KINDS; kind++)
+        for (exact_kind kind = EXACT_INTEGERS; kind < EXACT_KINDS; kind++)
             for (int round = test_scale(2); round > 0; round--) {
                 kn_bezier a;
                 bool rational = n > 1 && round % 2;

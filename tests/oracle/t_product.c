@@ -65,7 +65,7 @@ static void products(void **state)
         char name[64];
         snprintf(name, sizeof name, "product %s, %d + %d", NAMES[s->nvars], s->m[0], s->n[0]);
         exact_judge_t judge = {.name = name};
-        for (int kind = 0; kind < EXACT_KINDS; kind++)
+        for (exact_kind kind = EXACT_INTEGERS; kind < EXACT_KINDS; kind++)
             for (int round = test_scale(s->rounds); round > 0; round--) {
                 pair p;
                 bool small = s->m[0] + s->n[0] < 20;
@@ -93,7 +93,7 @@ static void dots_and_crosses(void **state)
     for (int i = 0; i < NSHAPES; i++) {
         const shape *s = &SHAPES[i];
         if (s->nvars == 2 && s->m[0] > 16) continue;
-        for (int kind = 0; kind < EXACT_KINDS; kind++) {
+        for (exact_kind kind = EXACT_INTEGERS; kind < EXACT_KINDS; kind++) {
             pair p;
             pair_make(ctx, &p, &rng, s, 3, test_int(&rng, 0, 1), test_int(&rng, 0, 1), kind);
             assert_int_equal(kn_bezier_dot(ctx, &p.c, &p.a, &p.b), KN_OK);
@@ -128,7 +128,7 @@ static void determinants(void **state)
     test_rng rng = test_random(5);
     exact_judge_t judge[2] = {{.name = "determinant, degree 9 at most"}, {.name = "determinant"}};
     for (int i = 0; i < 6; i++)
-        for (int kind = 0; kind < EXACT_KINDS; kind++) {
+        for (exact_kind kind = EXACT_INTEGERS; kind < EXACT_KINDS; kind++) {
             kn_bezier s[3], det = {0};
             exact_factor f[3][3];
             int nvars = i < 4 ? 1 : 2, inner[2];
@@ -171,7 +171,7 @@ static void rational_sums(void **state)
     for (int i = 0; i < NSHAPES; i++) {
         const shape *s = &SHAPES[i];
         if (s->nvars == 2 && s->m[0] > 16) continue;
-        for (int kind = 0; kind < EXACT_KINDS; kind++) {
+        for (exact_kind kind = EXACT_INTEGERS; kind < EXACT_KINDS; kind++) {
             pair p;
             bool first = test_int(&rng, 0, 1), minus = test_int(&rng, 0, 1);
             pair_make(ctx, &p, &rng, s, 1, first, !first || test_int(&rng, 0, 1), kind);
@@ -201,7 +201,7 @@ static void rational_derivatives(void **state)
         bool fits = s->m[var] > 0;
         for (int d = 0; d < s->nvars; d++) fits &= 2 * s->m[d] <= KN_MAX_DEGREE;
         if (!fits || (s->nvars == 2 && s->m[0] > 16)) continue;
-        for (int kind = 0; kind < EXACT_KINDS; kind++) {
+        for (exact_kind kind = EXACT_INTEGERS; kind < EXACT_KINDS; kind++) {
             kn_bezier a, c = {0};
             exact_random_bezier(ctx, &a, &rng, s->nvars, 2, true, s->m, kind);
             assert_int_equal(kn_bezier_derivative(ctx, &c, &a, var), KN_OK);

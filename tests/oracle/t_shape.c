@@ -61,7 +61,7 @@ typedef void (*case_body)(world *w, exact_judge_t *judge, const shape *s, exact_
 static void for_all(world *w, exact_judge_t *judge, case_body body)
 {
     for (int i = 0; i < NSHAPES; i++)
-        for (int kind = 0; kind < EXACT_KINDS; kind++)
+        for (exact_kind kind = EXACT_INTEGERS; kind < EXACT_KINDS; kind++)
             for (int round = test_scale(SHAPES[i].rounds); round > 0; round--) {
                 if (is_high(&SHAPES[i]) && (kind == EXACT_HUGE || kind == EXACT_TINY)) continue;
                 kn_bezier a;

@@ -35,7 +35,7 @@ typedef void (*case_body)(world *w, exact_judge_t *judge, const kn_bezier *a);
 static void for_all(world *w, exact_judge_t *judge, int rounds, case_body body)
 {
     for (int i = 0; i < NSHAPES; i++)
-        for (int kind = 0; kind < EXACT_KINDS; kind++)
+        for (exact_kind kind = EXACT_INTEGERS; kind < EXACT_KINDS; kind++)
             for (int round = test_scale(rounds); round > 0; round--) {
                 kn_bezier a;
                 bool rational = round % 2 == 0;
