@@ -10,8 +10,9 @@ static int span_of(const double *knots, int p, int count, double t)
 {
     double lo = knots[p], hi = knots[count];
     if (t >= lo && t < hi) {
-        int s = p + (int)((t - lo) * (count - p) / (hi - lo));
-        if (s < count && t >= knots[s] && t < knots[s + 1]) return s;
+        double steps = (t - lo) / (hi - lo) * (count - p); // in this order nothing overflows
+        int s = p + (steps < count - p ? (int)steps : 0);
+        if (t >= knots[s] && t < knots[s + 1]) return s;
     }
     return kn_knots_span(knots, p, count, t);
 }

@@ -207,6 +207,35 @@ static void rational_derivatives_obey_leibniz(void **state)
     test_ctx_end(ctx, &memory);
 }
 
+// Parameters near the largest double: scaled by a power of two, all quotients and so all bits stay.
+static void huge_knots(void **state)
+{
+    (void)state;
+    test_memory memory = TEST_MEMORY_INIT;
+    kn_ctx *ctx = test_ctx(&memory, 1);
+    test_rng rng = test_random(9);
+    for (int round = 0; round < 40; round++) {
+        double knots[2][7] = {{0, 0, 0.25, 0.5, 0.75, 1, 1}}, coef[5], at[2][24], value[2][24], batch[2][24];
+        if (round % 2) knots[0][2] = 0.125;
+        for (int i = 0; i < 7; i++) knots[1][i] = 0x1p1023 * knots[0][i];
+        for (int i = 0; i < 5; i++) coef[i] = test_int(&rng, -9, 9);
+        for (int i = 0; i < 24; i++) at[0][i] = test_uniform(&rng, knots[0][0], 1.0), at[1][i] = 0x1p1023 * at[0][i];
+        for (int k = 0; k < 2; k++) {
+            double *vectors[1] = {knots[k]};
+            kn_spline s = {0};
+            assert_int_equal(
+                kn_spline_init(ctx, &s, 1, 1, false, (int[]){1}, (int[]){5}, (const double *const *)vectors, coef),
+                KN_OK);
+            for (int i = 0; i < 24; i++) assert_int_equal(kn_spline_eval(ctx, &value[k][i], &s, &at[k][i]), KN_OK);
+            assert_int_equal(kn_spline_eval_batch(ctx, batch[k], &s, 24, at[k]), KN_OK);
+            kn_spline_clear(ctx, &s);
+        }
+        assert_memory_equal(value[0], value[1], sizeof value[0]);
+        assert_memory_equal(batch[0], batch[1], sizeof batch[0]);
+    }
+    test_ctx_end(ctx, &memory);
+}
+
 static void failures(void **state)
 {
     (void)state;
@@ -261,6 +290,7 @@ int main(void)
         cmocka_unit_test(polynomial_derivatives),
         cmocka_unit_test(rational_derivatives),
         cmocka_unit_test(rational_derivatives_obey_leibniz),
+        cmocka_unit_test(huge_knots),
         cmocka_unit_test(failures),
         cmocka_unit_test(memory_failures),
     };
