@@ -50,8 +50,8 @@ static void compose(kn_band *both, const kn_band *then, const kn_band *now, int 
 kn_status kn_spline_elevation_band(kn_ctx *ctx, kn_band *band, double **to, double *knots, int p, int count,
                                    int degree)
 {
-    double *list[2];
-    kn_band step = {0}, both[2];
+    double *list[2] = {NULL, NULL};
+    kn_band step = {0}, both[2] = {{0}, {0}};
     int n = count + p + 1, rise = degree - p, breaks = kn_knots_spans(knots, p, count) + 1;
     if (breaks > (INT_MAX - n) / rise) return kn_fail(ctx, KN_ELIMIT, "spline: too many knots");
     int nknots = n + rise * breaks, rows = nknots - degree - 1;
