@@ -11,6 +11,7 @@ enum {
     KN_JOB_MAX_COUNT = 1 << 16, // cells of one surface in one direction
     KN_JOB_MAX_DEPTH = 10,      // bisections of a tile patch in r and in t each
     KN_JOB_MAX_SEGMENTS = 64,
+    KN_JOB_MAX_REACH = 256, // cells that a tile reaches beyond its own, each way
 };
 #define KN_JOB_MAX_CELLS ((size_t)1 << 27) // all together
 

@@ -161,6 +161,19 @@ static kn_status split(kn_ctx *ctx, builder *b, kn_bezier *d, int c, int halving
     return split_at(ctx, b, d, c, axis, 0.5, NULL, halvings + 1);
 }
 
+// Lines are counted one by one and in ints, and cut recursively.
+static kn_status check_reach(kn_ctx *ctx, const kn_bezier *d)
+{
+    for (int c = 0; c < 2; c++) {
+        double lo, hi;
+        range(&lo, &hi, d, c);
+        if (lo < -KN_JOB_MAX_REACH || hi > KN_JOB_MAX_REACH + 1)
+            return kn_fail(ctx, KN_ELIMIT, "job: the tile reaches from %g to %g cells, more than %d beyond its own",
+                           lo, hi, KN_JOB_MAX_REACH);
+    }
+    return KN_OK;
+}
+
 kn_status kn_job_make_patches(kn_ctx *ctx, kn_job *job)
 {
     builder b = {.job = job};
@@ -177,7 +190,8 @@ kn_status kn_job_make_patches(kn_ctx *ctx, kn_job *job)
                 double *w = pieces[i].coef + 2 * count;
                 for (size_t k = 0; k < count; k++) w[k] = job->options.offset + job->options.height * w[k];
                 snap(&pieces[i]);
-                status = split(ctx, &b, &pieces[i], 0, 0);
+                status = check_reach(ctx, &pieces[i]);
+                if (status == KN_OK) status = split(ctx, &b, &pieces[i], 0, 0);
             }
             for (size_t i = 0; i < n; i++) kn_bezier_clear(ctx, &pieces[i]);
             kn_free(ctx, pieces);
