@@ -238,7 +238,8 @@ typedef struct kn_job kn_job;
 //         cells than knot spans, a max_degree that leaves no room for the normal (the message says what is needed), a
 //         tile patch that crosses a knot line of a surface and not along a parameter line of its own;
 //         KN_ELIMIT counts, cells, max_degree, a tile that reaches more than 256 cells beyond its own;
-//         KN_EUNDECIDED no normal within normal_tol after ten bisections each way; KN_ECANCELLED, KN_ENOMEM. *out unchanged.
+//         KN_EUNDECIDED no normal within normal_tol after ten bisections each way; KN_ECANCELLED, KN_ENOMEM. *out
+//         unchanged.
 KN_API KN_CHECKED kn_status kn_job_create(kn_ctx *ctx, kn_job **out, const kn_spline *surfaces, int nsurfaces,
                                           const kn_tile *tile, const kn_job_options *options);
 KN_API void kn_job_destroy(kn_ctx *ctx, kn_job *job);
