@@ -217,23 +217,11 @@ kn_status kn_bezier_multiply(kn_ctx *ctx, const char *what, kn_bezier *out, cons
     return status;
 }
 
-kn_status kn_bezier_combine_to(kn_ctx *ctx, const char *what, kn_bezier *out, kn_bezier *c, const kn_bezier *a,
-                               const kn_bezier *b, const kn_term *terms, int nterms)
+kn_status kn_bezier_combine(kn_ctx *ctx, const char *what, kn_bezier *out, kn_bezier *c, const kn_bezier *a,
+                            const kn_bezier *b, const kn_term *terms, int nterms)
 {
     const kn_bezier *const operands[] = {a, b};
     kn_formula f = {.ncomp = c->ncomp, .rational = c->rational, .terms = terms, .nterms = nterms};
     for (int d = 0; d < a->nvars; d++) c->degree[d] = a->degree[d] + b->degree[d];
     return kn_bezier_multiply(ctx, what, out, operands, &f);
-}
-
-kn_status kn_bezier_combine(kn_ctx *ctx, const char *what, kn_bezier *result, const kn_bezier *a, const kn_bezier *b,
-                            const kn_term *terms, int nterms)
-{
-    kn_bezier out = {0};
-    kn_status status = kn_bezier_combine_to(ctx, what, &out, result, a, b, terms, nterms);
-    if (status == KN_OK)
-        *result = out;
-    else
-        result->coef = NULL;
-    return status;
 }

@@ -14,11 +14,8 @@ enum { KN_MAX_TERMS = 2 * KN_MAX_COMPS };
 
 // out = the result of the terms. c: its nvars, ncomp and rational; its degrees become the sums of the operands'. out
 // may be an operand, and is unchanged by a failure.
-kn_status kn_bezier_combine_to(kn_ctx *ctx, const char *what, kn_bezier *out, kn_bezier *c, const kn_bezier *a,
-                               const kn_bezier *b, const kn_term *terms, int nterms);
-// The same into a new piece: result as c; allocated here; on failure nothing is.
-kn_status kn_bezier_combine(kn_ctx *ctx, const char *what, kn_bezier *result, const kn_bezier *a, const kn_bezier *b,
-                            const kn_term *terms, int nterms);
+kn_status kn_bezier_combine(kn_ctx *ctx, const char *what, kn_bezier *out, kn_bezier *c, const kn_bezier *a,
+                            const kn_bezier *b, const kn_term *terms, int nterms);
 // The term that multiplies the weights, for a rational result.
 static inline kn_term kn_weight_term(const kn_bezier *result, const kn_bezier *a, const kn_bezier *b)
 {

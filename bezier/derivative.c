@@ -40,7 +40,7 @@ static kn_status quotient_rule(kn_ctx *ctx, kn_bezier *out, const kn_bezier *a, 
             terms[n++] = (kn_term){i, dim, i, -1.0};
         }
         terms[n++] = (kn_term){dim, dim + 1, dim, 1.0};
-        status = kn_bezier_combine_to(ctx, "derivative", out, &c, &g, a, terms, n);
+        status = kn_bezier_combine(ctx, "derivative", out, &c, &g, a, terms, n);
     }
     kn_scratch_release(ctx, mark);
     return status;

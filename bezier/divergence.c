@@ -36,7 +36,7 @@ static kn_status quotient_rule(kn_ctx *ctx, const char *what, kn_bezier *out, co
             kn_bezier_partial(kn_bezier_comp(&g, 1 + v), a, dim, v, size);
             terms[n++] = (kn_term){0, 1 + v, v, -1.0};
         }
-        status = kn_bezier_combine_to(ctx, what, out, &c, &g, a, terms, n);
+        status = kn_bezier_combine(ctx, what, out, &c, &g, a, terms, n);
     }
     kn_scratch_release(ctx, mark);
     return status;

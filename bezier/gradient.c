@@ -36,7 +36,7 @@ static kn_status quotient_rule(kn_ctx *ctx, const char *what, kn_bezier *out, co
     if (status == KN_OK) {
         memcpy(kn_bezier_comp(&g, g.ncomp - 1), kn_bezier_comp(a, dim), count * sizeof *g.coef);
         terms[n++] = (kn_term){dim * nvars, g.ncomp - 1, dim, 1.0};
-        status = kn_bezier_combine_to(ctx, what, out, &c, &g, a, terms, n);
+        status = kn_bezier_combine(ctx, what, out, &c, &g, a, terms, n);
     }
     kn_scratch_release(ctx, mark);
     return status;

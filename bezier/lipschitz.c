@@ -64,7 +64,7 @@ static kn_status quotient_rule(kn_ctx *ctx, const char *what, kn_bezier *q, cons
             terms[n++] = (kn_term){i, dim, i, sums ? 1.0 : -1.0};
         }
         terms[n++] = (kn_term){dim, dim + 1, dim, 1.0};
-        status = kn_bezier_combine_to(ctx, what, q, &c, &g, a, terms, n);
+        status = kn_bezier_combine(ctx, what, q, &c, &g, a, terms, n);
     }
     kn_scratch_release(ctx, mark);
     return status;
