@@ -118,7 +118,7 @@ kn_status kn_stand_in(kn_ctx *ctx, kn_bezier *out, kn_normal_certificate *certif
                       const kn_bezier *direction, double direction_error, double limit, int degree_sum)
 {
     double rest[2][ROOM];
-    int n = degree_sum - 1 < HIGHEST ? degree_sum - 1 : HIGHEST, degree[2];
+    int n = degree_sum > HIGHEST ? HIGHEST : degree_sum > 2 ? degree_sum - 1 : 2, degree[2];
     *fits = false;
     for (int v = 0; v < 2; v++) // the certificate multiplies it with the direction
         if (n > KN_MAX_DEGREE - direction->degree[v]) n = KN_MAX_DEGREE - direction->degree[v];

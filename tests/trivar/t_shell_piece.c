@@ -2,6 +2,7 @@
 // Pieces of a shell over boxes: against the shell, against direct evaluation, neighbours, wrapping and failures.
 #include "tests/trivar/surfaces.h"
 
+#include <limits.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -324,6 +325,13 @@ static void failures_are_told(void **state)
     // no polynomial of degrees (1,1) is that near
     kn_ctx_clear_error(ctx);
     const double lo[2] = {0.5, 0.5}, hi[2] = {1.5, 1.5};
+    for (int k = 0; k < 3; k++) { // no polynomial has such degrees
+        fits = true;
+        assert_int_equal(kn_shell_piece_init(ctx, &p, &fits, shell, (const int[2]){0, 0}, lo, hi,
+                                             (const int[]){INT_MIN, -1, 0}[k]),
+                         KN_OK);
+        assert_false(fits);
+    }
     assert_int_equal(kn_shell_piece_init(ctx, &p, &fits, shell, (const int[2]){0, 0}, lo, hi, 2), KN_OK);
     assert_true(!fits && memcmp(&p, &before, sizeof p) == 0);
     kn_shell_destroy(ctx, shell);
