@@ -75,9 +75,9 @@ static void make(feed *f, operands *o)
     feed_spline(f, &o->s, nouter);
     feed_spline(f, &o->t, ninner);
     if (o->b.coef && !o->b.rational && o->b.ncomp > nouter && feed_byte(f) % 8)
-        (void)kn_bezier_components(f->ctx, &o->b, &o->b, 0, nouter);
+        feed_any(kn_bezier_components(f->ctx, &o->b, &o->b, 0, nouter));
     if (o->t.nvars && !o->t.rational && o->t.ncomp > nouter && feed_byte(f) % 8)
-        (void)kn_spline_components(f->ctx, &o->t, &o->t, 0, nouter);
+        feed_any(kn_spline_components(f->ctx, &o->t, &o->t, 0, nouter));
     size_t n = o->t.nvars ? kn_spline_count(&o->t) * (size_t)kn_spline_dim(&o->t) : 0;
     double shift = feed_byte(f) % 2 ? 0.5 : 0.0, factor = feed_byte(f) % 2 ? 1.0 / 16.0 : 1.0; // into the domain
     for (size_t i = 0; i < n; i++) o->t.coef[i] = shift + factor * o->t.coef[i];

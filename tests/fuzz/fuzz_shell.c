@@ -47,9 +47,9 @@ static void use_shell(feed *f, const kn_shell *shell)
     kn_shell_closed(shell, closed);
     if (kn_shell_surface(shell)->nvars != 2 || kn_shell_normal(shell)->nvars != 2 || cells[0] < 1) abort();
     if (!kn_shell_certificate(shell).certified) abort();
-    (void)kn_shell_eval(f->ctx, point, jacobian, shell, feed_number(f), feed_number(f), feed_number(f));
-    (void)kn_shell_unit_normal(f->ctx, point, shell, feed_number(f), feed_number(f));
-    (void)kn_shell_jacobian_bounds(f->ctx, &lo[1], &hi[0], shell, feed_number(f), feed_number(f));
+    feed_any(kn_shell_eval(f->ctx, point, jacobian, shell, feed_number(f), feed_number(f), feed_number(f)));
+    feed_any(kn_shell_unit_normal(f->ctx, point, shell, feed_number(f), feed_number(f)));
+    feed_any(kn_shell_jacobian_bounds(f->ctx, &lo[1], &hi[0], shell, feed_number(f), feed_number(f)));
     lo[1] = 0.0, hi[0] = 1.0;
     if (cell[0] > 100 || cell[0] < -100) cell[0] = 100;
     if (kn_shell_piece_init(f->ctx, &piece, &fits, shell, cell, lo, hi, feed_wild(f, 0, 8)) == KN_OK && fits)
@@ -64,11 +64,11 @@ static bool make_tile(feed *f, kn_tile *tile)
     for (int i = feed_int(f, 0, 2); i >= 0; i--) {
         kn_spline s;
         make_surface(f, &s);
-        (void)kn_tile_add(f->ctx, tile, feed_wild(f, 0, 1), &s);
+        feed_any(kn_tile_add(f->ctx, tile, feed_wild(f, 0, 1), &s));
         kn_spline_clear(f->ctx, &s);
     }
-    (void)kn_tile_rotate(f->ctx, tile, feed_wild(f, 0, 5));
-    (void)kn_tile_check(f->ctx, tile);
+    feed_any(kn_tile_rotate(f->ctx, tile, feed_wild(f, 0, 5)));
+    feed_any(kn_tile_check(f->ctx, tile));
     return true;
 }
 
@@ -94,12 +94,12 @@ static void run_job(feed *f, kn_job *job)
                       feed_wild(f, 0, 1)};
     kn_patch_place place;
     kn_bezier source = {0};
-    (void)kn_job_source(f->ctx, &source, &place, job, &id);
+    feed_any(kn_job_source(f->ctx, &source, &place, job, &id));
     kn_bezier_clear(f->ctx, &source);
     if (kn_job_tile(job)->nparts < 1 || !kn_job_shell(job, 0) || !kn_job_lines(job, 0, 1)) abort();
     if (kn_job_lines(job, id.surface + 2, 0) && id.surface + 2 >= report.nsurfaces) abort();
     if (report.patches > 200 || open_sink(f, &sink) != KN_OK) return;
-    (void)kn_job_run(f->ctx, job, &sink, 1);
+    feed_any(kn_job_run(f->ctx, job, &sink, 1));
     kn_sink_close(f->ctx, &sink);
 }
 
