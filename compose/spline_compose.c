@@ -13,29 +13,16 @@
 
 typedef struct work {
     const kn_spline *outer;
-    int nouter[KN_MAX_VARS]; // breaks of outer
-    double *outer_breaks[KN_MAX_VARS];
-    int *outer_times[KN_MAX_VARS];
+    kn_grid theirs; // breaks of outer, and how often it has them
     kn_bezier *outer_piece;
     size_t nouter_pieces;
 
-    kn_grid own;     // breaks of inner, and how often it has them
-    kn_grid grid;    // of the result
-    kn_spline inner; // split at the grid's breaks
-    int *span;       // of each piece and component
+    kn_grid own;          // breaks of inner, and how often it has them
+    kn_grid grid;         // of the result
+    kn_spline inner, out; // in scratch: inner split at the grid's breaks, the result's pieces
+    int *span;            // of each piece and component
     kn_bezier piece, value;
-    kn_spline out;
 } work;
-
-static kn_status breaks_of(kn_ctx *ctx, double **breaks, int **times, int *n, const kn_spline *s, int var)
-{
-    *n = kn_spline_spans(s, var) + 1;
-    *breaks = kn_scratch(ctx, (size_t)*n, sizeof **breaks);
-    *times = kn_scratch(ctx, (size_t)*n, sizeof **times);
-    if (!*breaks || !*times) return KN_ENOMEM;
-    kn_knots_breaks(*breaks, *times, s->knots[var], s->degree[var], s->count[var]);
-    return KN_OK;
-}
 
 static kn_status check(kn_ctx *ctx, const kn_spline *outer, const kn_spline *inner)
 {
@@ -53,14 +40,6 @@ static kn_status check(kn_ctx *ctx, const kn_spline *outer, const kn_spline *inn
     return KN_OK;
 }
 
-// index of the next box of the grid, the last variable fastest; false after the last one.
-static bool next_box(int *index, const kn_grid *grid, int nvars)
-{
-    int d = nvars - 1;
-    while (d >= 0 && ++index[d] == grid->nbreaks[d] - 1) index[d--] = 0;
-    return d >= 0;
-}
-
 static void get_piece(kn_bezier *piece, const kn_spline *split, const int *index)
 {
     int first[KN_MAX_VARS];
@@ -76,8 +55,8 @@ static kn_status add_crossings(kn_ctx *ctx, kn_numbers *lists, const work *w, co
     if (d < 0) return KN_OK;
     double lo = w->own.breaks[d][index[d]], hi = w->own.breaks[d][index[d] + 1];
     kn_status status = KN_OK;
-    for (int i = 1; status == KN_OK && i < w->nouter[c] - 1; i++)
-        status = kn_crossings(ctx, &lists[d], x, weight, w->piece.degree[d], w->outer_breaks[c][i], lo, hi);
+    for (int i = 1; status == KN_OK && i < w->theirs.nbreaks[c] - 1; i++)
+        status = kn_crossings(ctx, &lists[d], x, weight, w->piece.degree[d], w->theirs.breaks[c][i], lo, hi);
     return status;
 }
 
@@ -90,7 +69,7 @@ static kn_status find_breaks(kn_ctx *ctx, work *w, const kn_spline *inner)
     do {
         get_piece(&w->piece, &w->inner, index);
         for (int c = 0; status == KN_OK && c < w->outer->nvars; c++) status = add_crossings(ctx, lists, w, index, c);
-    } while (status == KN_OK && next_box(index, &w->own, inner->nvars));
+    } while (status == KN_OK && kn_grid_next(index, &w->own, inner->nvars));
     for (int d = 0; status == KN_OK && d < inner->nvars; d++) {
         const double *own = w->own.breaks[d];
         int n = w->own.nbreaks[d];
@@ -102,14 +81,6 @@ static kn_status find_breaks(kn_ctx *ctx, work *w, const kn_spline *inner)
         w->grid.times[d] = kn_scratch(ctx, (size_t)lists[d].count, sizeof(int));
         if (!w->grid.times[d]) status = KN_ENOMEM;
     }
-    return status;
-}
-
-static kn_status split_inner(kn_ctx *ctx, work *w, const kn_grid *grid)
-{
-    kn_status status = KN_OK;
-    for (int d = 0; status == KN_OK && d < w->inner.nvars; d++)
-        status = kn_spline_split_at(ctx, &w->inner, d, grid->breaks[d], grid->nbreaks[d]);
     return status;
 }
 
@@ -125,16 +96,20 @@ static kn_status compose_piece(kn_ctx *ctx, work *w, const int *index, int *span
         blur[d] = kn_nearness(w->own.breaks[d], w->own.nbreaks[d]) / (ends[1] - ends[0]);
     }
     for (int c = 0; status == KN_OK && c < w->outer->nvars; c++) {
-        status = kn_locate(ctx, "spline_compose", &span[c], &w->piece, c, w->outer_breaks[c], w->nouter[c], blur);
+        status = kn_locate(ctx, "spline_compose", &span[c], &w->piece, c, w->theirs.breaks[c], w->theirs.nbreaks[c],
+                           blur);
         if (status != KN_OK) return status;
-        lo[c] = w->outer_breaks[c][span[c]];
-        hi[c] = w->outer_breaks[c][span[c] + 1];
-        at = at * (size_t)(w->nouter[c] - 1) + (size_t)span[c];
+        lo[c] = w->theirs.breaks[c][span[c]];
+        hi[c] = w->theirs.breaks[c][span[c] + 1];
+        at = at * (size_t)(w->theirs.nbreaks[c] - 1) + (size_t)span[c];
     }
     status = kn_compose_over(ctx, &w->value, &w->outer_piece[at], &w->piece, lo, hi);
     const kn_bezier *v = &w->value;
-    if (status == KN_OK && w->out.nvars == 0)
-        status = kn_spline_alloc_split(ctx, &w->out, v->nvars, v->ncomp, v->rational, v->degree, &w->grid);
+    if (status == KN_OK && w->out.nvars == 0) { // the first piece tells the shape of all
+        w->out = (kn_spline){.nvars = v->nvars, .ncomp = v->ncomp, .rational = v->rational};
+        memcpy(w->out.degree, v->degree, sizeof v->degree);
+        status = kn_spline_pieces_in_scratch(ctx, "spline_compose", &w->out, &w->grid);
+    }
     if (status != KN_OK) return status;
     for (int d = 0; d < w->out.nvars; d++) first[d] = index[d] * (w->out.degree[d] + 1);
     kn_spline_put_piece(&w->out, v, first);
@@ -150,7 +125,7 @@ static kn_status compose_all(kn_ctx *ctx, work *w)
     kn_status status = w->span ? KN_OK : KN_ENOMEM;
     if (status != KN_OK) return status;
     do status = compose_piece(ctx, w, index, w->span + k++ * (size_t)w->outer->nvars);
-    while (status == KN_OK && next_box(index, &w->grid, w->inner.nvars));
+    while (status == KN_OK && kn_grid_next(index, &w->grid, w->inner.nvars));
     return status;
 }
 
@@ -159,7 +134,7 @@ static int continuity_between(const work *w, int c, int a, int b)
 {
     int least = INT_MAX;
     for (int i = (a < b ? a : b) + 1; i <= (a < b ? b : a); i++) {
-        int continuity = w->outer->degree[c] - w->outer_times[c][i];
+        int continuity = w->outer->degree[c] - w->theirs.times[c][i];
         if (continuity < least) least = continuity;
     }
     return least;
@@ -191,33 +166,28 @@ static void find_continuity(work *w, const kn_spline *inner)
                 if (continuity < *least) *least = continuity;
             }
         k++;
-    } while (next_box(index, &w->grid, inner->nvars));
-    for (int d = 0; d < inner->nvars; d++)
-        for (int i = 0; i < w->grid.nbreaks[d]; i++) {
-            int q = w->out.degree[d], continuity = w->grid.times[d][i];
-            w->grid.times[d][i] = continuity < -1 ? q + 1 : continuity >= q ? 0 : q - continuity;
-        }
+    } while (kn_grid_next(index, &w->grid, inner->nvars));
+    for (int d = 0; d < inner->nvars; d++) kn_grid_multiplicities(&w->grid, d, w->out.degree[d]);
 }
 
 static kn_status compose(kn_ctx *ctx, work *w, const kn_spline *inner)
 {
     kn_status status = KN_OK;
     for (int c = 0; status == KN_OK && c < w->outer->nvars; c++)
-        status = breaks_of(ctx, &w->outer_breaks[c], &w->outer_times[c], &w->nouter[c], w->outer, c);
-    for (int d = 0; status == KN_OK && d < inner->nvars; d++)
-        status = breaks_of(ctx, &w->own.breaks[d], &w->own.times[d], &w->own.nbreaks[d], inner, d);
+        status = kn_spline_breaks(ctx, &w->theirs, w->outer, c);
+    for (int d = 0; status == KN_OK && d < inner->nvars; d++) status = kn_spline_breaks(ctx, &w->own, inner, d);
     if (status == KN_OK) status = kn_spline_to_bezier(ctx, &w->outer_piece, &w->nouter_pieces, w->outer);
     if (status == KN_OK)
         status = kn_bezier_init(ctx, &w->piece, inner->nvars, inner->ncomp, inner->rational, inner->degree);
-    if (status == KN_OK) status = kn_spline_copy(ctx, &w->inner, inner);
-    if (status == KN_OK) status = split_inner(ctx, w, &w->own);
+    w->inner = *inner;
+    if (status == KN_OK) status = kn_spline_split_on_grid(ctx, &w->inner, &w->own);
     if (status == KN_OK) status = find_breaks(ctx, w, inner);
-    if (status == KN_OK) status = kn_spline_copy(ctx, &w->inner, inner);
-    if (status == KN_OK) status = split_inner(ctx, w, &w->grid);
+    w->inner = *inner;
+    if (status == KN_OK) status = kn_spline_split_on_grid(ctx, &w->inner, &w->grid);
     if (status == KN_OK) status = compose_all(ctx, w);
     if (status == KN_OK) {
         find_continuity(w, inner);
-        status = kn_spline_join(ctx, &w->out, &w->grid);
+        status = kn_spline_join_on_grid(ctx, &w->out, &w->grid);
     }
     return status;
 }
@@ -229,13 +199,11 @@ kn_status kn_spline_compose(kn_ctx *ctx, kn_spline *out, const kn_spline *outer,
     work w = {.outer = outer};
     kn_mark mark = kn_scratch_mark(ctx);
     status = compose(ctx, &w, inner);
-    if (status == KN_OK) kn_spline_swap(out, &w.out); // last: out may be an operand
+    if (status == KN_OK) status = kn_spline_store(ctx, out, &w.out); // last: out may be an operand
     for (size_t i = 0; i < w.nouter_pieces; i++) kn_bezier_clear(ctx, &w.outer_piece[i]);
     kn_free(ctx, w.outer_piece);
     kn_bezier_clear(ctx, &w.piece);
     kn_bezier_clear(ctx, &w.value);
-    kn_spline_clear(ctx, &w.inner);
-    kn_spline_clear(ctx, &w.out);
     kn_scratch_release(ctx, mark);
     return status;
 }

@@ -12,7 +12,5 @@ kn_status kn_spline_differentiate_in_scratch(kn_ctx *ctx, kn_spline *s, int var)
 kn_status kn_spline_partial_knots(kn_ctx *ctx, kn_spline *to, const kn_spline *a);
 // out = the derivative of component comp of a in var on that grid; kn_spline_count(grid) numbers. Takes scratch.
 kn_status kn_spline_partial(kn_ctx *ctx, double *out, const kn_spline *a, int comp, int var, const kn_spline *grid);
-// In place, new arrays in scratch: every break gets multiplicity degree + 1, so that the pieces lie side by side.
-kn_status kn_spline_split_in_scratch(kn_ctx *ctx, kn_spline *s);
 
 #endif

@@ -83,59 +83,6 @@ kn_status kn_spline_common_breaks(kn_ctx *ctx, kn_grid *grid, int var, const kn_
     return KN_OK;
 }
 
-// A break of continuity c keeps q - c knots at degree q, at most q + 1.
-void kn_grid_multiplicities(kn_grid *grid, int var, int degree)
-{
-    int n = grid->nbreaks[var], *times = grid->times[var];
-    for (int i = 1; i < n - 1; i++) times[i] = times[i] < -1 ? degree + 1 : degree - times[i];
-    times[0] = times[n - 1] = degree + 1;
-}
-
-kn_status kn_spline_split_on_grid(kn_ctx *ctx, kn_spline *s, const kn_grid *grid)
-{
-    for (int d = 0; d < s->nvars; d++) {
-        int n = grid->nbreaks[d], order = s->degree[d] + 1;
-        if (n > INT_MAX / order) return kn_fail(ctx, KN_ELIMIT, "spline: %d pieces of degree %d", n - 1, order - 1);
-        double *to = kn_scratch(ctx, (size_t)n * (size_t)order, sizeof *to);
-        if (!to) return KN_ENOMEM;
-        for (int i = 0; i < n * order; i++) to[i] = grid->breaks[d][i / order];
-        kn_status status = kn_spline_refine_in_scratch(ctx, s, d, to, (n - 1) * order);
-        if (status != KN_OK) return status;
-    }
-    return KN_OK;
-}
-
-// Rows from their first weight to their last that is not zero: what kn_band_apply then does is what it must do.
-static void drop_zeros(kn_band *band)
-{
-    for (int i = 0; i < band->rows; i++) {
-        double *w = band->w + (size_t)i * (size_t)band->width;
-        int first = 0, last = band->width - 1;
-        while (last > 0 && w[last] == 0.0) last--;
-        while (first < last && w[first] == 0.0) first++;
-        if (first > 0) memmove(w, w + first, (size_t)(last - first + 1) * sizeof *w);
-        band->first[i] += first, band->terms[i] = last - first + 1;
-    }
-}
-
-kn_status kn_spline_join_on_grid(kn_ctx *ctx, kn_spline *s, const kn_grid *grid)
-{
-    for (int d = 0; d < s->nvars; d++) {
-        int p = s->degree[d], n = grid->nbreaks[d];
-        int nknots = kn_knots_repeat(NULL, grid->breaks[d], grid->times[d], n);
-        kn_band band;
-        double *to = kn_scratch(ctx, (size_t)nknots, sizeof *to);
-        kn_status status = to ? kn_spline_refining_band(ctx, &band, nknots - p - 1, p + 1) : KN_ENOMEM;
-        if (status != KN_OK) return status;
-        kn_knots_repeat(to, grid->breaks[d], grid->times[d], n);
-        kn_band_join(&band, grid->breaks[d], n, p, to);
-        drop_zeros(&band);
-        status = kn_spline_map_in_scratch(ctx, s, d, p, to, &band);
-        if (status != KN_OK) return status;
-    }
-    return KN_OK;
-}
-
 // ---- products ----
 enum { MOST = 3 };
 
@@ -169,12 +116,7 @@ static kn_status prepare(kn_ctx *ctx, const char *call, product *w, const kn_for
     w->out = (kn_spline){.nvars = w->s[0].nvars, .ncomp = f->ncomp, .rational = f->rational};
     for (int i = 0; i < w->n; i++)
         for (int d = 0; d < w->out.nvars; d++) w->out.degree[d] += w->s[i].degree[d];
-    for (int d = 0; d < w->out.nvars; d++) {
-        int order = w->out.degree[d] + 1;
-        if (w->grid.nbreaks[d] - 1 > INT_MAX / order) return kn_fail(ctx, KN_ELIMIT, "%s: too many pieces", call);
-        w->out.count[d] = (w->grid.nbreaks[d] - 1) * order;
-    }
-    kn_status status = kn_spline_in_scratch(ctx, call, &w->out);
+    kn_status status = kn_spline_pieces_in_scratch(ctx, call, &w->out, &w->grid);
     for (int i = 0; i < w->n && status == KN_OK; i++) status = kn_spline_split_on_grid(ctx, &w->s[i], &w->grid);
     if (status != KN_OK) return status;
     for (int i = 0; i < w->n; i++) {
@@ -193,14 +135,11 @@ static void multiply_pieces(product *w)
     int index[KN_MAX_VARS] = {0};
     size_t step[KN_MAX_VARS], all = kn_spline_count(&w->out);
     steps_of(step, &w->out);
-    for (;;) {
+    do {
         for (int i = 0; i < w->n; i++)
             w->operand[i].coef = w->s[i].coef + piece_place(&w->s[i], w->operand[i].step, index);
         kn_chain_run(&w->chain, w->operand, w->out.coef + piece_place(&w->out, step, index), all, step);
-        int d = w->out.nvars - 1;
-        while (d >= 0 && ++index[d] == w->grid.nbreaks[d] - 1) index[d--] = 0;
-        if (d < 0) return;
-    }
+    } while (kn_grid_next(index, &w->grid, w->out.nvars));
 }
 
 kn_status kn_spline_multiply(kn_ctx *ctx, const char *call, kn_spline *out, const kn_spline *const *operands,

@@ -22,10 +22,5 @@ kn_status kn_spline_add(kn_ctx *ctx, const char *call, kn_spline *out, const kn_
 // that they have at each; grid->times receives the continuity.
 kn_status kn_spline_common_breaks(kn_ctx *ctx, kn_grid *grid, int var, const kn_spline *const *list, int n, double lo,
                                   double hi);
-// grid->times: from continuity to the multiplicity at this degree, for the interior breaks; degree + 1 at the ends.
-void kn_grid_multiplicities(kn_grid *grid, int var, int degree);
-// As kn_spline_split_at and kn_spline_join, in scratch.
-kn_status kn_spline_split_on_grid(kn_ctx *ctx, kn_spline *s, const kn_grid *grid);
-kn_status kn_spline_join_on_grid(kn_ctx *ctx, kn_spline *s, const kn_grid *grid);
 
 #endif

@@ -93,41 +93,29 @@ kn_status kn_spline_refining_band(kn_ctx *ctx, kn_band *band, int rows, int widt
     return status == KN_OK && !band->terms ? KN_ENOMEM : status;
 }
 
-kn_status kn_spline_map(kn_ctx *ctx, kn_spline *s, int var, int degree, const double *knots, const kn_band *band)
+// to = s with other knots, rows + degree + 1 of them, in var; its arrays of var and of coefficients are new, the latter
+// not filled.
+static kn_status remade(kn_ctx *ctx, kn_spline *to, const kn_spline *s, int var, int degree, const double *knots,
+                        int rows)
 {
-    kn_spline shape = *s; // only its numbers are used
-    shape.degree[var] = degree, shape.count[var] = band->rows;
-    kn_status status = kn_spline_shape(ctx, "spline", s->nvars, s->ncomp, s->rational, shape.degree, shape.count);
+    *to = *s;
+    to->degree[var] = degree, to->count[var] = rows;
+    kn_status status = kn_spline_shape(ctx, "spline", to->nvars, to->ncomp, to->rational, to->degree, to->count);
     if (status != KN_OK) return status;
-
-    size_t nknots = (size_t)band->rows + (size_t)degree + 1;
-    double *k = kn_alloc(ctx, nknots, sizeof *k);
-    double *c = k ? kn_alloc(ctx, kn_spline_count(&shape) * (size_t)s->ncomp, sizeof *c) : NULL;
-    if (!c) {
-        kn_free(ctx, k);
-        return KN_ENOMEM;
-    }
-    for (size_t i = 0; i < nknots; i++) k[i] = knots[i];
-    kn_band_apply(c, band, s->coef, kn_spline_outer(s, var), s->count[var], kn_spline_inner(s, var));
-    kn_free(ctx, s->knots[var]);
-    kn_free(ctx, s->coef);
-    s->degree[var] = degree, s->count[var] = band->rows;
-    s->knots[var] = k, s->coef = c;
+    size_t nknots = (size_t)rows + (size_t)degree + 1;
+    to->knots[var] = kn_scratch(ctx, nknots, sizeof *to->knots[var]);
+    to->coef = kn_scratch(ctx, kn_spline_count(to) * (size_t)to->ncomp, sizeof *to->coef);
+    if (!to->knots[var] || !to->coef) return KN_ENOMEM;
+    memcpy(to->knots[var], knots, nknots * sizeof *knots);
     return KN_OK;
 }
 
 kn_status kn_spline_map_in_scratch(kn_ctx *ctx, kn_spline *s, int var, int degree, const double *knots,
                                    const kn_band *band)
 {
-    kn_spline to = *s;
-    to.degree[var] = degree, to.count[var] = band->rows;
-    kn_status status = kn_spline_shape(ctx, "spline", to.nvars, to.ncomp, to.rational, to.degree, to.count);
+    kn_spline to;
+    kn_status status = remade(ctx, &to, s, var, degree, knots, band->rows);
     if (status != KN_OK) return status;
-    size_t nknots = (size_t)band->rows + (size_t)degree + 1;
-    to.knots[var] = kn_scratch(ctx, nknots, sizeof *to.knots[var]);
-    to.coef = kn_scratch(ctx, kn_spline_count(&to) * (size_t)to.ncomp, sizeof *to.coef);
-    if (!to.knots[var] || !to.coef) return KN_ENOMEM;
-    memcpy(to.knots[var], knots, nknots * sizeof *knots);
     kn_band_apply(to.coef, band, s->coef, kn_spline_outer(s, var), s->count[var], kn_spline_inner(s, var));
     *s = to;
     return KN_OK;
@@ -136,16 +124,9 @@ kn_status kn_spline_map_in_scratch(kn_ctx *ctx, kn_spline *s, int var, int degre
 // The result's arrays are taken before the band, which is given back.
 kn_status kn_spline_refine_in_scratch(kn_ctx *ctx, kn_spline *s, int var, const double *to, int rows)
 {
-    kn_spline t = *s;
-    t.count[var] = rows;
-    kn_status status = kn_spline_shape(ctx, "spline", t.nvars, t.ncomp, t.rational, t.degree, t.count);
+    kn_spline t;
+    kn_status status = remade(ctx, &t, s, var, s->degree[var], to, rows);
     if (status != KN_OK) return status;
-    size_t nknots = (size_t)rows + (size_t)t.degree[var] + 1;
-    t.knots[var] = kn_scratch(ctx, nknots, sizeof *t.knots[var]);
-    t.coef = kn_scratch(ctx, kn_spline_count(&t) * (size_t)t.ncomp, sizeof *t.coef);
-    if (!t.knots[var] || !t.coef) return KN_ENOMEM;
-    memcpy(t.knots[var], to, nknots * sizeof *to);
-
     kn_mark mark = kn_scratch_mark(ctx);
     kn_band band;
     status = kn_spline_refining_band(ctx, &band, rows, s->degree[var] + 1);
@@ -153,34 +134,6 @@ kn_status kn_spline_refine_in_scratch(kn_ctx *ctx, kn_spline *s, int var, const 
         kn_band_refine(&band, s->knots[var], s->degree[var], s->count[var], to);
         kn_band_apply(t.coef, &band, s->coef, kn_spline_outer(s, var), s->count[var], kn_spline_inner(s, var));
         *s = t;
-    }
-    kn_scratch_release(ctx, mark);
-    return status;
-}
-
-kn_status kn_spline_refine_axis(kn_ctx *ctx, kn_spline *s, int var, const double *to, int rows)
-{
-    kn_mark mark = kn_scratch_mark(ctx);
-    kn_band band;
-    kn_status status = kn_spline_refining_band(ctx, &band, rows, s->degree[var] + 1);
-    if (status == KN_OK) {
-        kn_band_refine(&band, s->knots[var], s->degree[var], s->count[var], to);
-        status = kn_spline_map(ctx, s, var, s->degree[var], to, &band);
-    }
-    kn_scratch_release(ctx, mark);
-    return status;
-}
-
-kn_status kn_spline_split_at(kn_ctx *ctx, kn_spline *s, int var, const double *breaks, int nbreaks)
-{
-    int p = s->degree[var];
-    kn_mark mark = kn_scratch_mark(ctx);
-    double *to = kn_scratch(ctx, (size_t)nbreaks * (size_t)(p + 1), sizeof *to);
-    kn_status status = to ? KN_OK : KN_ENOMEM;
-    if (status == KN_OK) {
-        for (int i = 0; i < nbreaks; i++)
-            for (int k = 0; k <= p; k++) to[i * (p + 1) + k] = breaks[i];
-        status = kn_spline_refine_axis(ctx, s, var, to, (nbreaks - 1) * (p + 1));
     }
     kn_scratch_release(ctx, mark);
     return status;

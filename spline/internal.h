@@ -33,23 +33,16 @@ size_t kn_spline_outer(const kn_spline *s, int var); // components included
 kn_status kn_spline_store(kn_ctx *ctx, kn_spline *out, const kn_spline *s);
 // s->knots and s->coef = scratch, not filled, for the shape that s has, after kn_spline_shape.
 kn_status kn_spline_in_scratch(kn_ctx *ctx, const char *call, kn_spline *s);
-// As kn_spline_map and kn_spline_refine_axis below, with the new arrays in scratch. band and knots (`to`) may lie in
-// scratch too.
+// s = band applied along var; knots (band->rows + degree + 1) replace those of var. band and knots may lie in scratch.
 kn_status kn_spline_map_in_scratch(kn_ctx *ctx, kn_spline *s, int var, int degree, const double *knots,
                                    const kn_band *band);
+// s = the same function on the knots `to` of var, rows + degree + 1 of them (kn_band_refine).
 kn_status kn_spline_refine_in_scratch(kn_ctx *ctx, kn_spline *s, int var, const double *to, int rows);
 
 // Room for a band in scratch.
 kn_status kn_spline_band(kn_ctx *ctx, kn_band *band, int rows, int width);
 // The same with terms[], for kn_band_refine and kn_band_elevate, which then work on no more than they need.
 kn_status kn_spline_refining_band(kn_ctx *ctx, kn_band *band, int rows, int width);
-// Applies band along var in place; knots (band->rows + degree + 1) replace those of var. s, whose arrays are
-// allocated, is unchanged on failure.
-kn_status kn_spline_map(kn_ctx *ctx, kn_spline *s, int var, int degree, const double *knots, const kn_band *band);
-// In place: the same function on the knots `to` of var, rows + degree + 1 of them (kn_band_refine).
-kn_status kn_spline_refine_axis(kn_ctx *ctx, kn_spline *s, int var, const double *to, int rows);
-// In place: every break of var gets multiplicity degree + 1. breaks contain the knots of var.
-kn_status kn_spline_split_at(kn_ctx *ctx, kn_spline *s, int var, const double *breaks, int nbreaks);
 // Between s and a piece of its degrees: the box of coefficients that starts at index first[d] in each variable.
 void kn_spline_get_piece(kn_bezier *piece, const kn_spline *s, const int *first);
 void kn_spline_put_piece(kn_spline *s, const kn_bezier *piece, const int *first);
@@ -60,11 +53,28 @@ typedef struct kn_grid {
     double *breaks[KN_MAX_VARS];
     int *times[KN_MAX_VARS];
 } kn_grid;
-// *out = a spline with every break of the grid at multiplicity degree + 1, coefficients not filled.
-kn_status kn_spline_alloc_split(kn_ctx *ctx, kn_spline *out, int nvars, int ncomp, bool rational, const int *degree,
-                                const kn_grid *grid);
-// In place, the way back from such a spline: knots as times[] says, degree + 1 of them at both ends.
-kn_status kn_spline_join(kn_ctx *ctx, kn_spline *s, const kn_grid *grid);
+// The distinct knots of s in var, and how often it has each, in scratch.
+kn_status kn_spline_breaks(kn_ctx *ctx, kn_grid *grid, const kn_spline *s, int var);
+// index of the next box of the grid, the last variable fastest; false after the last one.
+static inline bool kn_grid_next(int *index, const kn_grid *grid, int nvars)
+{
+    int d = nvars - 1;
+    while (d >= 0 && ++index[d] == grid->nbreaks[d] - 1) index[d--] = 0;
+    return d >= 0;
+}
+// s->knots and s->coef = scratch, not filled, for pieces side by side, one for each box of the grid, of the degrees,
+// components and variables that s has.
+kn_status kn_spline_pieces_in_scratch(kn_ctx *ctx, const char *call, kn_spline *s, const kn_grid *grid);
+// s split into such pieces in var, or in all variables: every break at multiplicity degree + 1. The breaks contain the
+// knots of s inside their range.
+kn_status kn_spline_split_in_scratch(kn_ctx *ctx, kn_spline *s, int var, const kn_grid *grid);
+kn_status kn_spline_split_on_grid(kn_ctx *ctx, kn_spline *s, const kn_grid *grid);
+// The way back from such pieces: knots as times[] says. The knots that s had are not read.
+kn_status kn_spline_join_in_scratch(kn_ctx *ctx, kn_spline *s, int var, const kn_grid *grid);
+kn_status kn_spline_join_on_grid(kn_ctx *ctx, kn_spline *s, const kn_grid *grid);
+// grid->times: from the continuity at the interior breaks of var to the multiplicity at this degree, none for a
+// continuity of the degree or more; degree + 1 at the ends.
+void kn_grid_multiplicities(kn_grid *grid, int var, int degree);
 
 // out = op(a) piece by piece. op answers pieces of this shape, in the parameters of [0,1] and in the array that its
 // out has; it gets the size of the box. The knots are those of a's continuity, less one in variable `rough` (-1:

@@ -24,6 +24,7 @@ static kn_status polynomial(kn_ctx *ctx, double *most, const kn_spline *a, int v
 
 typedef struct pieces {
     kn_spline a, size; // split: the coefficients, and what their roundings are relative to
+    kn_grid grid;
     kn_bezier piece, piece_size;
     double known;
 } pieces;
@@ -36,8 +37,10 @@ static kn_status prepare(kn_ctx *ctx, pieces *w, const kn_spline *a)
     w->size.coef = kn_scratch(ctx, all, sizeof *w->size.coef);
     if (!w->size.coef) return KN_ENOMEM;
     for (size_t i = 0; i < all; i++) w->size.coef[i] = fabs(a->coef[i]);
-    kn_status status = kn_spline_split_in_scratch(ctx, &w->a);
-    if (status == KN_OK) status = kn_spline_split_in_scratch(ctx, &w->size);
+    kn_status status = KN_OK;
+    for (int d = 0; d < a->nvars && status == KN_OK; d++) status = kn_spline_breaks(ctx, &w->grid, a, d);
+    if (status == KN_OK) status = kn_spline_split_on_grid(ctx, &w->a, &w->grid);
+    if (status == KN_OK) status = kn_spline_split_on_grid(ctx, &w->size, &w->grid);
     w->piece = (kn_bezier){.nvars = a->nvars, .ncomp = a->ncomp, .rational = true};
     for (int d = 0; d < a->nvars; d++) {
         w->piece.degree[d] = a->degree[d];

@@ -6,15 +6,15 @@
 // Every interior knot of var to multiplicity degree; those of degree + 1 stay. Neighbours then have one array.
 static kn_status saturate(kn_ctx *ctx, kn_spline *s, int var)
 {
-    int p = s->degree[var], nbreaks = kn_knots_breaks(NULL, NULL, s->knots[var], p, s->count[var]);
-    double *breaks = kn_scratch(ctx, (size_t)nbreaks, sizeof *breaks);
-    int *times = kn_scratch(ctx, (size_t)nbreaks, sizeof *times);
-    double *to = kn_scratch(ctx, (size_t)nbreaks * (size_t)(p + 1), sizeof *to);
-    if (!breaks || !times || !to) return KN_ENOMEM;
-    kn_knots_breaks(breaks, times, s->knots[var], p, s->count[var]);
-    for (int i = 0; i < nbreaks; i++)
+    kn_grid grid;
+    kn_status status = kn_spline_breaks(ctx, &grid, s, var);
+    if (status != KN_OK) return status;
+    int p = s->degree[var], n = grid.nbreaks[var], *times = grid.times[var];
+    double *to = kn_scratch(ctx, (size_t)n * (size_t)(p + 1), sizeof *to);
+    if (!to) return KN_ENOMEM;
+    for (int i = 0; i < n; i++)
         if (times[i] < p) times[i] = p;
-    int rows = kn_knots_repeat(to, breaks, times, nbreaks) - p - 1;
+    int rows = kn_knots_repeat(to, grid.breaks[var], times, n) - p - 1;
     return rows == s->count[var] ? KN_OK : kn_spline_refine_in_scratch(ctx, s, var, to, rows);
 }
 
