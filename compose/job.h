@@ -59,6 +59,7 @@ typedef struct kn_job_place {
 } kn_job_place;
 
 typedef struct kn_job_surface {
+    int origin, origin_cell[2]; // kn_job_origin
     kn_shell *shell;
     int cells[2];
     bool closed[2];
@@ -105,6 +106,13 @@ kn_status kn_job_measure_surface(kn_ctx *ctx, kn_job_measure *out, const kn_spli
 // The distance of p from the line through a and b.
 double kn_job_off_chord(const double *p, const double *a, const double *b);
 double kn_job_mean_length(const kn_job_measure *m, int along);
+
+// ---- job_sizes.c ----
+// job->surfaces' counts and partners, height, mesh_tol, patches and segments, from the options.
+kn_status kn_job_decide_sizes(kn_ctx *ctx, kn_job *job, const kn_spline *surfaces);
+// ---- job_shells.c ----
+// job->surfaces' lines, shells and bounds of the Jacobian.
+kn_status kn_job_make_shells(kn_ctx *ctx, kn_job *job, const kn_spline *surfaces);
 
 // ---- job_edges.c ----
 // partners: 4 for each surface.

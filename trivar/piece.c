@@ -180,7 +180,7 @@ static kn_status find_surface(kn_ctx *ctx, kn_bezier *out, const kn_shell *s, co
 kn_status kn_shell_piece_init(kn_ctx *ctx, kn_shell_piece *out, bool *fits, const kn_shell *shell, const int cell[2],
                               const double lo[2], const double hi[2], int degree_sum)
 {
-    kn_shell_piece p = {.nterms = KN_SHELL_TERMS};
+    kn_shell_piece p = {.nterms = 2, .power = {0, 1}};
     kn_bezier n = {0};
     box b = {.whole = true, .plain = true, .inside = true};
     for (int v = 0; v < 2; v++) {

@@ -3,6 +3,7 @@
 #ifndef KNURL_COMPOSE_H
 #define KNURL_COMPOSE_H
 
+#include <knurl/cells.h>
 #include <knurl/shell.h>
 
 #ifdef __cplusplus
@@ -152,6 +153,8 @@ KN_API void kn_compose_matrix_clear(kn_ctx *ctx, kn_compose_matrix *matrix);
 
 // ---- jobs ----
 
+typedef enum kn_cells_spacing { KN_CELLS_UNIFORM, KN_CELLS_EVEN, KN_CELLS_FREE } kn_cells_spacing;
+
 // Zero means the default in every field.
 typedef struct kn_job_options {
     int count[2];      // cells over each surface's domain in u and in v, at most 65536; 0: from size
@@ -160,6 +163,16 @@ typedef struct kn_job_options {
     double height;     // of w = 1 above the base, negative below; 0: the tile's aspect times the mean cell size
     double offset;     // added to every height, length units
     int quarter_turns; // of the tile in its cell
+    // Where cell lines lie. KN_CELLS_UNIFORM: equal parameter steps in each knot span; KN_CELLS_EVEN: even in length
+    // along u and along v; KN_CELLS_FREE: corners free in both directions, S replaced by S(map) (cells.h).
+    kn_cells_spacing spacing;
+    bool rows;        // rows of cells may have different counts, where S narrows (kn_cells_bands); casual tiles only
+    bool stretch;     // heights follow the local stretch (kn_cells_stretch)
+    double cells_tol; // of S(map) where it is fitted, length units; 0: 1e-4 of a cell
+    // The shell. Splines over [0,1]^2, which stands for each surface's domain; NULL: none (shell.h)
+    kn_normal_method normal;
+    const kn_spline *direction, *thickness, *attraction;
+    int attraction_power;
     double normal_tol; // as kn_shell_options; 0: 1e-6
     int max_degree;    // of a composed patch in one variable; 0: 25 (what OCCT reads); at most KN_MAX_DEGREE
     double mesh_tol;   // chord height of tessellations, length units; 0: 1/100 of the mean cell size
@@ -180,11 +193,13 @@ typedef struct kn_job_report {
     // surface's domain T(D) is S + w times its unit normal there, and not kn_shell_eval, which extends n.
     double stand_in_error;
     double jacobian_lo, jacobian_hi; // kn_shell_jacobian_bounds over the heights that the tile occupies
+    kn_cells_spread spread;          // of all cells
+    double cells_error;              // bound of |S in use - S(map)| with KN_CELLS_FREE; 0: exact
 } kn_job_report;
 
 // Stable identity of an output patch.
 typedef struct kn_patch_id {
-    int surface; // of the base
+    int surface; // of the job, which counts pieces between creases and rows of cells as surfaces (kn_job_origin)
     int cell[2]; // of that surface
     int part;    // of the tile
     int patch;   // Bezier patch of the part, counted over its surfaces
@@ -247,6 +262,8 @@ KN_API kn_job_report kn_job_describe(const kn_job *job);
 // The tile as placed (rotated), whose parts patches refer to; and the shell of one surface.
 KN_API const kn_tile *kn_job_tile(const kn_job *job);
 KN_API const kn_shell *kn_job_shell(const kn_job *job, int surface);
+// Which surface of the base a surface of the job is a part of, and where its first cell is counted from there.
+KN_API int kn_job_origin(const kn_job *job, int surface, int first_cell[2]);
 // The cell lines of a surface in variable var, in its own parameters: kn_shell_cells + 1 numbers. NULL: no such
 // surface.
 KN_API const double *kn_job_lines(const kn_job *job, int surface, int var);

@@ -10,8 +10,10 @@
 #include <knurl/construct.h>
 #include <knurl/solve.h>
 #include <knurl/shell.h>
+#include <knurl/cells.h>
 #include <knurl/compose.h>
 #include <knurl/mesh.h>
+#include <knurl/fold.h>
 #include <knurl/io.h>
 
 #endif

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// kn_shell: the map T(u,v,w) = S(u,v) + n(u,v) w from texture space to the neighbourhood of a base surface S,
-// n a spline fitted to the unit normal of S. Source: Elber, Geometric Texture Modeling, IEEE CG&A 25(4), 2005.
+// kn_shell: the map T from texture space (u,v,w) to the neighbourhood of a base: T = S + w h n + w^k psi over a surface
+// S with its unit normal n (or a field in its place), or a trivariate spline itself.
+// Source: Elber, Geometric Texture Modeling, IEEE CG&A 25(4), 2005.
 #ifndef KNURL_SHELL_H
 #define KNURL_SHELL_H
 
@@ -20,8 +21,20 @@ typedef struct kn_normal_certificate {
 
 typedef struct kn_shell kn_shell;
 
-// Zero means the default in every field.
+// How n represents the unit normal N/|N|.
+typedef enum kn_normal_method {
+    KN_NORMAL_FITTED,          // a spline of low degree that interpolates N/|N|
+    KN_NORMAL_EXACT_DIRECTION, // N m, m a spline near 1/|N|: the direction is exact, the degree that of N plus m's
+} kn_normal_method;
+
+// Zero means the default in every field. Splines are copied; their variables are S's own, over S's domain, and their
+// knots become knots of S (inserted exactly), at which cell lines must lie.
 typedef struct kn_shell_options {
+    kn_normal_method normal;
+    const kn_spline *direction;  // dim 3, polynomial: takes the place of n, any length. NULL: n
+    const kn_spline *thickness;  // dim 1, polynomial, positive: h, w counts in thicknesses. NULL: 1
+    const kn_spline *attraction; // dim 3, polynomial: psi. NULL: none
+    int attraction_power;        // k >= 1; 0: 2
     // Cell lines in S's own parameters, increasing, from one end of the domain to the other. Every interior knot of S
     // must be among them (KN_EDOMAIN otherwise). NULL: the knots of S.
     const double *lines[2];
@@ -79,11 +92,47 @@ KN_API KN_CHECKED kn_status kn_shell_unit_normal(kn_ctx *ctx, double normal[3], 
 KN_API KN_CHECKED kn_status kn_shell_jacobian_bounds(kn_ctx *ctx, double *lo, double *hi, const kn_shell *shell,
                                                      double w0, double w1);
 
-// T as one polynomial or rational piece over a box of (u,v): T = sum_k term[k](x) w^k, x in [0,1]^2 over the box, w
-// in length units. term[k] has 3 components, or 4 homogeneous ones when S is rational (weight 0 in term[1]).
+// ---- shells of other kinds ----
+
+// T = the volume itself (three variables, dim 3, polynomial or rational; copied): ruled between two surfaces,
+// extruded, swept, revolved (construct.h), or read from a file. w runs over the volume's third domain; S is its face
+// at the lower end. Of the options the cell lines alone count.
+KN_API KN_CHECKED kn_status kn_shell_from_volume(kn_ctx *ctx, kn_shell **out, const kn_spline *volume,
+                                                 const kn_shell_options *options);
+// The heights for which T is defined: the third domain of a volume, and -INFINITY, INFINITY otherwise.
+KN_API void kn_shell_heights(const kn_shell *shell, double w[2]);
+// out = T over the whole domain and w in [w0,w1], w0 < w1, as one trivariate spline in (u, v, w).
+KN_API KN_CHECKED kn_status kn_shell_volume(kn_ctx *ctx, kn_spline *out, const kn_shell *shell, double w0, double w1);
+
+// The pieces of S between its creases: knots at which S is only C0 and the normals of the two sides differ by more
+// than `angle` radians somewhere along the line (certified; where that cannot be decided it counts as a crease).
+// out:    *pieces, counts[0] * counts[1] of them, u slowest, in S's own parameters; kn_spline_clear each, kn_free.
+//         One piece, a copy of S, where there is none.
+KN_API KN_CHECKED kn_status kn_shell_split_creases(kn_ctx *ctx, kn_spline **pieces, int counts[2],
+                                                   const kn_spline *surface, double angle);
+
+// What an edge of the domain is.
+typedef enum kn_edge_kind {
+    KN_EDGE_CURVE,
+    KN_EDGE_POLE, // S is one point there and has one normal, the limit from inside
+    KN_EDGE_APEX, // S is one point there, a cone's apex, with a normal for each direction in which it is approached
+} kn_edge_kind;
+typedef struct kn_shell_edge {
+    kn_edge_kind kind;
+    double point[3]; // of a pole or apex
+    int order;       // how often the vanishing factor was divided out of S_u x S_v there
+} kn_shell_edge;
+// edges[variable][end]. At an apex each parameter line keeps its own limit of the normal: the shell opens there.
+KN_API void kn_shell_edges(const kn_shell *shell, kn_shell_edge edges[2][2]);
+
+// ---- pieces ----
+
+// T as one polynomial or rational piece over a box of (u,v): T = sum_t term[t](x) w^power[t], x in [0,1]^2 over the
+// box, w in the shell's own unit; power[0] = 0. term[t] has 3 components, or 4 homogeneous ones when T is rational.
 enum { KN_SHELL_TERMS = 2 };
 typedef struct kn_shell_piece {
     int nterms;
+    int power[KN_SHELL_TERMS];
     kn_bezier term[KN_SHELL_TERMS];
     bool exact; // n is the shell's own spline; false: a polynomial that stands in for it on this box
     kn_normal_certificate normal; // of the n in use, over this box
@@ -108,6 +157,50 @@ KN_API KN_CHECKED kn_status kn_shell_piece_init(kn_ctx *ctx, kn_shell_piece *out
                                                 const int cell[2], const double lo[2], const double hi[2],
                                                 int degree_sum);
 KN_API void kn_shell_piece_clear(kn_ctx *ctx, kn_shell_piece *piece);
+
+// ---- the inverse ----
+
+// A place (u,v,w) with T(u,v,w) = point: S(u,v) is a support position of the point (definitions 1 and 2 of the
+// source).
+typedef struct kn_support {
+    double uvw[3];
+    double error[3]; // the true place is within so much of uvw in each parameter
+    bool certified;  // one place, and no other, is proved to lie in that box; false: nothing more is known
+} kn_support;
+// All support positions of a point with w in [w0,w1], or all that there are within the work limit.
+// out: *supports, ordered by |w|, kn_free; *complete: no other exists.
+KN_API KN_CHECKED kn_status kn_shell_support(kn_ctx *ctx, kn_support **supports, size_t *n, bool *complete,
+                                             const kn_shell *shell, const double point[3], double w0, double w1);
+typedef enum kn_side {
+    KN_SIDE_NONE,
+    KN_SIDE_ON,
+    KN_SIDE_ABOVE,
+    KN_SIDE_BELOW,
+    KN_SIDE_BOTH,
+    KN_SIDE_UNDECIDED
+} kn_side;
+// Whether the point is above the base, below it, on it, both (of different support positions), or none of them within
+// [w0,w1].
+KN_API KN_CHECKED kn_status kn_shell_side(kn_ctx *ctx, kn_side *out, const kn_shell *shell, const double point[3],
+                                          double w0, double w1);
+
+// ---- normals of mapped geometry ----
+
+// A normal of geometry in texture space at uvw, mapped through T: J^-T normal, unit length.
+// fails: KN_EUNDEFINED where J is singular.
+KN_API KN_CHECKED kn_status kn_shell_map_normal(kn_ctx *ctx, double out[3], const kn_shell *shell,
+                                                const double uvw[3], const double normal[3]);
+// The estimate n_u S_u + n_v S_v + n_w n (equation 4 of the source), unit length: good where S_u and S_v are nearly
+// orthogonal and as long as n, and w is small. docs/normals.md says how good.
+KN_API KN_CHECKED kn_status kn_shell_map_normal_estimate(kn_ctx *ctx, double out[3], const kn_shell *shell,
+                                                         const double uvw[3], const double normal[3]);
+
+// ---- the Jacobian ----
+
+// det dT/d(u,v,w) = sum_k J_k(u,v) w^k. *coefficients: n splines over (u,v) with one component; of a rational T each
+// is the numerator over one positive power of the weight, *weight_power, to be divided out. kn_spline_clear, kn_free.
+KN_API KN_CHECKED kn_status kn_shell_jacobian(kn_ctx *ctx, kn_spline **coefficients, int *n, int *weight_power,
+                                              const kn_shell *shell);
 
 #ifdef __cplusplus
 }
