@@ -53,13 +53,15 @@ ALL_LDFLAGS = $(OPT) -pthread $(LDFLAGS)
 LIBS := -lm
 
 # ---- optional libraries, all in one place: a header that tells whether it is there, flags, what to link ----
-EXTERNALS := tinygltf embree png occt jansson sisl cmocka flint
+EXTERNALS := tinygltf embree png cairo occt jansson sisl cmocka flint
 HEADER_tinygltf := tiny_gltf.h
 LIBS_tinygltf := -ltinygltf
 HEADER_embree := embree3/rtcore.h
 LIBS_embree := -lembree3
 HEADER_png := png.h
 LIBS_png := -lpng
+HEADER_cairo := cairo/cairo.h
+LIBS_cairo := -lcairo
 HEADER_occt := opencascade/Standard_Version.hxx
 CPP_occt := -isystem /usr/include/opencascade
 LIBS_occt := -lTKXDESTEP -lTKXCAF -lTKLCAF -lTKCAF -lTKVCAF -lTKCDF -lTKSTEP -lTKSTEP209 -lTKSTEPAttr -lTKSTEPBase -lTKXSBase \

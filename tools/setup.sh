@@ -6,8 +6,9 @@ set -eu
 
 # compilers and tools
 packages='gcc g++ clang libclang-rt-14-dev clang-format clang-tidy cppcheck cmake pkg-config'
-# the command: recipes and reports, glTF (with the headers that its own includes), pictures
-packages="$packages libjansson-dev libtinygltf-dev nlohmann-json3-dev libstb-dev libembree-dev libpng-dev"
+# the command: recipes and reports, glTF (with the headers that its own includes), pictures and their legends
+packages="$packages libjansson-dev libtinygltf-dev nlohmann-json3-dev libstb-dev libembree-dev libpng-dev
+ libcairo2-dev fonts-dejavu-core"
 # reading STEP back in tests
 packages="$packages libocct-data-exchange-dev libocct-ocaf-dev libocct-modeling-algorithms-dev
  libocct-modeling-data-dev libocct-foundation-dev"

@@ -31,7 +31,9 @@ constexpr float ground_limit = 0.6f; // and of the object's light on the ground
 struct shape {
     const uint32_t *triangle;
     float *position, *normal; // normal may be NULL
+    const float *color;       // of the vertices, may be NULL
     surface look;
+    vec metal; // the part of look.f0 that vertex colours tint
 };
 
 struct camera {
@@ -70,6 +72,7 @@ struct hit {
     int item;         // -1: the ground
     vec origin;       // where rays leave, on the ray's side
     vec face, normal; // geometric and shading normal, on the ray's side
+    surface look;
 };
 
 // ---- rays ----
@@ -92,6 +95,16 @@ vec smooth_point(vec p, const vec corner[3], const vec normal[3], const float we
     return out;
 }
 
+surface tinted(const shape &s, const uint32_t *index, const float weight[3])
+{
+    vec c = {0.0f, 0.0f, 0.0f};
+    for (int k = 0; k < 3; k++) c = c + weight[k] * load(s.color, index[k]);
+    surface out = s.look;
+    out.diffuse = c * out.diffuse;
+    out.f0 = out.f0 + (c - vec{1.0f, 1.0f, 1.0f}) * s.metal;
+    return out;
+}
+
 void fill_hit(const tracer &t, hit *h, const RTCHit &from, vec d)
 {
     const shape &s = t.shapes[from.geomID];
@@ -103,6 +116,7 @@ void fill_hit(const tracer &t, hit *h, const RTCHit &from, vec d)
     if (dot(face, d) > 0.0f) face = -face;
     vec p = weight[0] * corner[0] + weight[1] * corner[1] + weight[2] * corner[2];
     h->item = static_cast<int>(from.geomID);
+    h->look = s.color ? tinted(s, index, weight) : s.look;
     h->face = h->normal = face;
     h->origin = p + epsilon * face;
     if (!s.normal) return;
@@ -195,7 +209,7 @@ vec follow(const tracer &t, hit h, vec d, const sampler &points, uint32_t pair, 
 {
     vec sum = {0.0f, 0.0f, 0.0f}, carried = {1.0f, 1.0f, 1.0f};
     for (int bounce = 0; bounce < bounces; bounce++, pair += 3) {
-        const surface &look = t.shapes[h.item].look;
+        const surface look = h.look;
         frame at(h.normal);
         vec wo = at.to_local(-d);
         point2 a = points.point(pair), b = points.point(pair + 1), c = points.point(pair + 2);
@@ -495,20 +509,25 @@ kn_status measure(kn_ctx *ctx, placement *pl, const kn_scene *scene)
     return KN_OK;
 }
 
-surface make_surface(const kn_material &m)
+float unit(double x)
 {
-    auto unit = [](double x) { return x > 0.0 ? (x < 1.0 ? static_cast<float>(x) : 1.0f) : 0.0f; };
+    return x > 0.0 ? (x < 1.0 ? static_cast<float>(x) : 1.0f) : 0.0f;
+}
+
+void set_look(shape *s, const kn_material &m)
+{
     vec base = {unit(m.base_color[0]), unit(m.base_color[1]), unit(m.base_color[2])};
     float metallic = unit(m.metallic), roughness = unit(m.roughness);
     float alpha = roughness * roughness;
-    return {(1.0f - metallic) * base, mix({0.04f, 0.04f, 0.04f}, base, metallic), alpha > 0.01f ? alpha : 0.01f};
+    s->look = {(1.0f - metallic) * base, mix({0.04f, 0.04f, 0.04f}, base, metallic), alpha > 0.01f ? alpha : 0.01f};
+    s->metal = metallic * base;
 }
 
 kn_status make_shape(kn_ctx *ctx, shape *s, const kn_scene_item *item, const placement &pl)
 {
     const kn_mesh &m = item->mesh;
     const placement rotate = {{0.0, 0.0, 0.0}, 1.0, {pl.turn[0], pl.turn[1]}, pl.up};
-    s->look = make_surface(item->material), s->triangle = m.triangle;
+    set_look(s, item->material), s->triangle = m.triangle, s->color = item->color;
     s->position = static_cast<float *>(kn_alloc_zero(ctx, 3 * m.nvertices + 4, sizeof(float)));
     if (m.normal) s->normal = static_cast<float *>(kn_alloc(ctx, 3 * m.nvertices, sizeof(float)));
     if (!s->position || (m.normal && !s->normal)) return KN_ENOMEM;

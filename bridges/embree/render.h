@@ -29,7 +29,7 @@ KN_API kn_render_options kn_render_defaults(void);
 
 // A picture of the scene, framed so that all of it is seen with a margin, standing on a seamless ground and lit by
 // soft key, fill, top and rim lights and a dome. Metallic-roughness materials (GGX). Stage "render".
-// in:    normals may be missing (flat triangles). The scene may have any unit and place.
+// in:    normals may be missing (flat triangles); colours of vertices lie in [0,1]. The scene may have any unit and place.
 // out:   rgb holds 3 width height bytes, sRGB, row by row from the top.
 // fails: KN_EDOMAIN no triangles, a scene of no extent, a vertex that is not finite or an index out of range, options
 //        out of range; KN_ELIMIT a side or samples above KN_RENDER_MAX_*; KN_ECANCELLED; KN_ENOMEM. rgb is then

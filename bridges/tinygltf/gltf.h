@@ -13,7 +13,8 @@ extern "C" {
 typedef struct kn_gltf_options {
     const char *name;     // of the root node; NULL: "knurl"
     double unit_mm;       // millimetres in one length unit; 0: 1
-    bool keep_duplicates; // leave vertices whose float positions and normals are equal apart
+    bool keep_duplicates; // leave vertices whose float positions and normals are equal apart (the sink)
+    const char *extras;   // kn_gltf_write: a JSON object that goes into the asset's extras; NULL: none
 } kn_gltf_options;
 KN_API kn_gltf_options kn_gltf_defaults(void);
 
@@ -29,9 +30,17 @@ KN_API kn_gltf_options kn_gltf_defaults(void);
 // source: Khronos, glTF 2.0 Specification (ISO/IEC 12113:2022).
 KN_API KN_CHECKED kn_status kn_gltf_sink(kn_ctx *ctx, kn_sink *out, const char *path, const kn_gltf_options *options);
 
+// Writes the items of a scene in length units, z upwards, as a file like the sink's: a mesh and a material each, with
+// the colours of vertices as COLOR_0.
+// in:    every mesh has normals.
+// fails: KN_EDOMAIN another ending, unit_mm, no normals, an index out of range, beyond float32; KN_ELIMIT; KN_EIO, also
+//        when extras is no JSON; KN_ENOMEM. Nothing is left behind.
+KN_API KN_CHECKED kn_status kn_gltf_write(kn_ctx *ctx, const char *path, const kn_scene *scene,
+                                          const kn_gltf_options *options);
+
 // The triangles of the default scene (or of all nodes) of a .glb or .gltf file, told apart by content: one item for
 // each primitive of each node, in metres, y upwards, node transforms applied. Strips and fans become triangles;
-// points and lines are left out. Textures are not read.
+// points and lines are left out. COLOR_0 is read, textures are not.
 // out:   initialised (possibly empty), overwritten; kn_scene_clear.
 // fails: KN_EIO; KN_EPARSE bad JSON or structure, an index or accessor outside its buffer, not finite positions, an
 //        extension that is required, sparse accessors: the message names the file; KN_ELIMIT a file above 4 GiB;

@@ -61,7 +61,9 @@ kn_status get_view(const reader *r, view *out, int index, int type)
     const tinygltf::Model &m = *r->model;
     if (index < 0 || static_cast<size_t>(index) >= m.accessors.size()) return bad(r, "no accessor", index);
     const tinygltf::Accessor &a = m.accessors[static_cast<size_t>(index)];
-    size_t element = component_bytes(a.componentType) * (type == TINYGLTF_TYPE_VEC3 ? 3 : 1);
+    size_t element = component_bytes(a.componentType) * (type == TINYGLTF_TYPE_VEC4   ? 4
+                                                         : type == TINYGLTF_TYPE_VEC3 ? 3
+                                                                                      : 1);
     if (a.type != type || element == 0) return bad(r, "unexpected type of accessor", index);
     if (a.sparse.isSparse) return bad(r, "sparse accessor (not supported)", index);
     if (a.bufferView < 0 || static_cast<size_t>(a.bufferView) >= m.bufferViews.size())
@@ -95,6 +97,19 @@ void get_vector(const view *v, size_t i, double out[3])
     float from[3];
     memcpy(from, v->data + i * v->stride, sizeof from);
     for (int c = 0; c < 3; c++) out[c] = static_cast<double>(from[c]);
+}
+
+// A channel of a colour in [0,1]; integers are shares of their largest.
+float get_channel(const view *v, size_t i, size_t c)
+{
+    const unsigned char *from = v->data + i * v->stride + c * component_bytes(v->component);
+    uint16_t two;
+    float real;
+    if (v->component == TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE) return static_cast<float>(from[0]) / 255.0f;
+    if (v->component == TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT)
+        return memcpy(&two, from, 2), static_cast<float>(two) / 65535.0f;
+    memcpy(&real, from, 4);
+    return real > 0.0f ? (real < 1.0f ? real : 1.0f) : 0.0f;
 }
 
 // ---- transforms ----
@@ -213,6 +228,26 @@ kn_status fill_mesh(const reader *r, kn_mesh *mesh, const view *position, const 
     return status == KN_OK ? fill_triangles(r, mesh, index, mode, cofactors(k, to) < 0.0) : status;
 }
 
+// COLOR_0 without its opacity.
+kn_status fill_colors(const reader *r, kn_scene_item *item, const tinygltf::Primitive &primitive)
+{
+    auto at = primitive.attributes.find("COLOR_0");
+    size_t nv = item->mesh.nvertices, index = at == primitive.attributes.end() ? 0 : static_cast<size_t>(at->second);
+    if (at == primitive.attributes.end() || item->mesh.ntriangles == 0) return KN_OK;
+    if (at->second < 0 || index >= r->model->accessors.size()) return bad(r, "no accessor", at->second);
+    int type = r->model->accessors[index].type == TINYGLTF_TYPE_VEC4 ? TINYGLTF_TYPE_VEC4 : TINYGLTF_TYPE_VEC3;
+    view color = {};
+    kn_status status = get_view(r, &color, at->second, type);
+    if (status != KN_OK) return status;
+    if (color.count != nv || color.component == TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT)
+        return bad(r, "colours do not fit in accessor", at->second);
+    item->color = static_cast<float *>(kn_alloc(r->ctx, nv, 3 * sizeof(float)));
+    if (!item->color) return KN_ENOMEM;
+    for (size_t v = 0; v < nv; v++)
+        for (size_t c = 0; c < 3; c++) item->color[3 * v + c] = get_channel(&color, v, c);
+    return KN_OK;
+}
+
 kn_status add_item(reader *r, kn_scene_item *item)
 {
     if (r->scene.nitems == r->room) {
@@ -250,11 +285,12 @@ kn_status add_primitive(reader *r, const tinygltf::Primitive &primitive, const a
     item.material = get_material(r, primitive.material);
     status = fill_mesh(r, &item.mesh, &position, has_normal ? &normal : nullptr, has_index ? &index : nullptr, mode,
                        to);
+    if (status == KN_OK) status = fill_colors(r, &item, primitive);
     if (status == KN_OK && item.mesh.ntriangles > 0) {
         status = add_item(r, &item);
-        if (status == KN_OK) item.mesh = kn_mesh{};
+        if (status == KN_OK) item = kn_scene_item{};
     }
-    kn_mesh_clear(r->ctx, &item.mesh);
+    kn_scene_item_clear(r->ctx, &item);
     return status;
 }
 

@@ -1,0 +1,276 @@
+// SPDX-License-Identifier: Apache-2.0
+// Float32 meshes become a glTF file through tinygltf.
+#include <cfloat>
+#include <cmath>
+#include <cstring>
+#include <new>
+#include <ostream>
+#include <streambuf>
+#include <strings.h>
+
+#include <nlohmann/json.hpp>
+#include <tiny_gltf.h>
+
+#include "bridges/tinygltf/model.h"
+
+namespace
+{
+
+using namespace kng;
+
+// The writer takes a value of its own kind.
+tinygltf::Value to_value(const nlohmann::json &from)
+{
+    if (from.is_boolean()) return tinygltf::Value(from.get<bool>());
+    if (from.is_number_integer()) return tinygltf::Value(from.get<int>());
+    if (from.is_number()) return tinygltf::Value(from.get<double>());
+    if (from.is_string()) return tinygltf::Value(from.get<std::string>());
+    if (from.is_array()) {
+        tinygltf::Value::Array array;
+        for (const nlohmann::json &item : from) array.push_back(to_value(item));
+        return tinygltf::Value(array);
+    }
+    tinygltf::Value::Object object;
+    for (const auto &item : from.items()) object[item.key()] = to_value(item.value());
+    return tinygltf::Value(object);
+}
+
+void add_view(tinygltf::Model *model, const void *data, size_t bytes, size_t stride, int target)
+{
+    std::vector<unsigned char> &buffer = model->buffers[0].data;
+    tinygltf::BufferView view;
+    view.buffer = 0, view.byteOffset = buffer.size(), view.byteLength = bytes, view.byteStride = stride;
+    view.target = target;
+    const unsigned char *from = static_cast<const unsigned char *>(data);
+    buffer.insert(buffer.end(), from, from + bytes);
+    buffer.resize((buffer.size() + 3) & ~static_cast<size_t>(3));
+    model->bufferViews.push_back(view);
+}
+
+// An accessor into the last view; answers its index.
+int add_accessor(tinygltf::Model *model, int component, int type, size_t offset, size_t count)
+{
+    tinygltf::Accessor a;
+    a.bufferView = static_cast<int>(model->bufferViews.size()) - 1;
+    a.byteOffset = offset, a.componentType = component, a.type = type, a.count = count;
+    model->accessors.push_back(a);
+    return static_cast<int>(model->accessors.size()) - 1;
+}
+
+void set_range(tinygltf::Accessor *a, const float *vertex, size_t count)
+{
+    for (size_t c = 0; c < 3; c++) {
+        float lo = vertex[c], hi = vertex[c];
+        for (size_t i = 1; i < count; i++) {
+            lo = vertex[6 * i + c] < lo ? vertex[6 * i + c] : lo;
+            hi = vertex[6 * i + c] > hi ? vertex[6 * i + c] : hi;
+        }
+        a->minValues.push_back(static_cast<double>(lo)), a->maxValues.push_back(static_cast<double>(hi));
+    }
+}
+
+int add_material(tinygltf::Model *model, const part *p)
+{
+    tinygltf::Material m;
+    const double *c = p->material.base_color;
+    m.name = p->name;
+    m.doubleSided = true; // tiles may be open sheets
+    m.pbrMetallicRoughness.baseColorFactor = {c[0], c[1], c[2], 1.0};
+    m.pbrMetallicRoughness.metallicFactor = p->material.metallic;
+    m.pbrMetallicRoughness.roughnessFactor = p->material.roughness;
+    model->materials.push_back(m);
+    return static_cast<int>(model->materials.size()) - 1;
+}
+
+// Indices are 16 bits wide where they fit; 65535 itself is reserved for primitive restart.
+int add_indices(tinygltf::Model *model, const chunk *c)
+{
+    size_t n = 3 * c->ntriangles;
+    if (c->nvertices > 65535) {
+        add_view(model, c->triangle, 4 * n, 0, TINYGLTF_TARGET_ELEMENT_ARRAY_BUFFER);
+        return add_accessor(model, TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT, TINYGLTF_TYPE_SCALAR, 0, n);
+    }
+    std::vector<uint16_t> narrow(n);
+    for (size_t i = 0; i < n; i++) narrow[i] = static_cast<uint16_t>(c->triangle[i]);
+    add_view(model, narrow.data(), 2 * n, 0, TINYGLTF_TARGET_ELEMENT_ARRAY_BUFFER);
+    return add_accessor(model, TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT, TINYGLTF_TYPE_SCALAR, 0, n);
+}
+
+void add_part(tinygltf::Model *model, const part *p)
+{
+    const chunk *c = &p->mesh;
+    if (model->buffers.empty()) model->buffers.emplace_back();
+    add_view(model, c->vertex, 24 * c->nvertices, 24, TINYGLTF_TARGET_ARRAY_BUFFER);
+    tinygltf::Primitive primitive;
+    primitive.mode = TINYGLTF_MODE_TRIANGLES;
+    int position = add_accessor(model, TINYGLTF_COMPONENT_TYPE_FLOAT, TINYGLTF_TYPE_VEC3, 0, c->nvertices);
+    set_range(&model->accessors[static_cast<size_t>(position)], c->vertex, c->nvertices);
+    primitive.attributes["POSITION"] = position;
+    primitive.attributes["NORMAL"] = add_accessor(model, TINYGLTF_COMPONENT_TYPE_FLOAT, TINYGLTF_TYPE_VEC3, 12,
+                                                  c->nvertices);
+    if (c->color) {
+        add_view(model, c->color, 12 * c->nvertices, 12, TINYGLTF_TARGET_ARRAY_BUFFER);
+        primitive.attributes["COLOR_0"] = add_accessor(model, TINYGLTF_COMPONENT_TYPE_FLOAT, TINYGLTF_TYPE_VEC3, 0,
+                                                       c->nvertices);
+    }
+    primitive.indices = add_indices(model, c);
+    primitive.material = add_material(model, p);
+
+    tinygltf::Mesh mesh;
+    mesh.name = p->name;
+    mesh.primitives.push_back(primitive);
+    tinygltf::Node node;
+    node.name = p->name;
+    node.mesh = static_cast<int>(model->meshes.size());
+    model->meshes.push_back(mesh);
+    model->nodes[0].children.push_back(static_cast<int>(model->nodes.size()));
+    model->nodes.push_back(node);
+}
+
+// The root turns (x, y, z) into (x, z, -y), a quarter turn about x, and length units into metres.
+void add_root(tinygltf::Model *model, const file_options *o)
+{
+    tinygltf::Node root;
+    const double metres = o->unit_mm * 1e-3, half = std::sqrt(0.5);
+    root.name = o->name;
+    root.rotation = {-half, 0.0, 0.0, half};
+    root.scale = {metres, metres, metres};
+    model->nodes.push_back(root);
+    tinygltf::Scene scene;
+    scene.name = o->name;
+    scene.nodes.push_back(0);
+    model->scenes.push_back(scene);
+    model->defaultScene = 0;
+    model->asset.version = "2.0";
+    model->asset.generator = "knurl " KN_VERSION_STRING;
+    if (o->extras) model->asset.extras = to_value(nlohmann::json::parse(o->extras));
+}
+
+// A stream buffer over a kn_out_file; the first failure stays.
+class out_buffer : public std::streambuf
+{
+  public:
+    out_buffer(kn_ctx *ctx, kn_out_file *file) : ctx_(ctx), file_(file)
+    {
+    }
+    kn_status status() const
+    {
+        return status_;
+    }
+
+  protected:
+    std::streamsize xsputn(const char *text, std::streamsize n) override
+    {
+        if (status_ == KN_OK) status_ = kn_out_write(ctx_, file_, text, static_cast<size_t>(n));
+        return status_ == KN_OK ? n : 0;
+    }
+    int_type overflow(int_type c) override
+    {
+        char byte = traits_type::to_char_type(c);
+        if (traits_type::eq_int_type(c, traits_type::eof())) return traits_type::not_eof(c);
+        return xsputn(&byte, 1) == 1 ? c : traits_type::eof();
+    }
+
+  private:
+    kn_ctx *ctx_;
+    kn_out_file *file_;
+    kn_status status_ = KN_OK;
+};
+
+kn_status write_model(kn_ctx *ctx, kn_out_file *file, const file_options *o, part *parts, int nparts)
+{
+    size_t total = 0;
+    for (int i = 0; i < nparts; i++)
+        total += (parts[i].mesh.color ? 36 : 24) * parts[i].mesh.nvertices + 12 * parts[i].mesh.ntriangles + 4;
+    if (total > UINT32_MAX - (1u << 20)) // leaves room for the JSON: the lengths in a .glb have 32 bits
+        return kn_fail(ctx, KN_ELIMIT, "gltf: %zu bytes of mesh, more than a glTF file holds", total);
+    tinygltf::Model model;
+    add_root(&model, o);
+    for (int i = 0; i < nparts; i++) {
+        if (parts[i].mesh.ntriangles == 0) continue; // an accessor must not be empty
+        if (model.buffers.empty()) model.buffers.emplace_back(), model.buffers[0].data.reserve(total);
+        add_part(&model, parts + i);
+        clear_chunk(ctx, &parts[i].mesh);
+    }
+    out_buffer buffer(ctx, file);
+    std::ostream stream(&buffer);
+    tinygltf::TinyGLTF writer;
+    bool ok = writer.WriteGltfSceneToStream(&model, stream, false, o->binary);
+    if (buffer.status() != KN_OK) return buffer.status();
+    if (!ok || !stream.good()) return kn_fail(ctx, KN_EIO, "gltf: the file could not be written");
+    return KN_OK;
+}
+
+bool ends_in(const char *path, const char *ending)
+{
+    size_t n = strlen(path), m = strlen(ending);
+    return n > m && !strcasecmp(path + n - m, ending);
+}
+
+} // namespace
+
+namespace kng
+{
+
+void clear_chunk(kn_ctx *ctx, chunk *c)
+{
+    kn_free(ctx, c->vertex);
+    kn_free(ctx, c->triangle);
+    kn_free(ctx, c->color);
+    *c = chunk{};
+}
+
+bool reserve(kn_ctx *ctx, chunk *c, size_t nvertices, size_t ntriangles)
+{
+    if (nvertices > c->vertex_room) {
+        size_t room = nvertices > 2 * c->vertex_room ? nvertices : 2 * c->vertex_room;
+        void *p = c->vertex ? kn_resize(ctx, c->vertex, room, 6 * sizeof(float)) : kn_alloc(ctx, room, 24);
+        if (!p) return false;
+        c->vertex = static_cast<float *>(p), c->vertex_room = room;
+    }
+    if (ntriangles > c->triangle_room) {
+        size_t room = ntriangles > 2 * c->triangle_room ? ntriangles : 2 * c->triangle_room;
+        void *p = c->triangle ? kn_resize(ctx, c->triangle, room, 12) : kn_alloc(ctx, room, 3 * sizeof(uint32_t));
+        if (!p) return false;
+        c->triangle = static_cast<uint32_t *>(p), c->triangle_room = room;
+    }
+    return true;
+}
+
+// Adding zero turns -0 into 0, so that equal numbers have equal bits.
+kn_status to_float(kn_ctx *ctx, float *out, const double *in)
+{
+    for (int i = 0; i < 3; i++) {
+        if (!(std::fabs(in[i]) <= static_cast<double>(FLT_MAX)))
+            return kn_fail(ctx, KN_EDOMAIN, "gltf: a vertex has the coordinate %g, beyond float32", in[i]);
+        out[i] = static_cast<float>(in[i]) + 0.0f;
+    }
+    return KN_OK;
+}
+
+kn_status check_file(kn_ctx *ctx, const char *path, bool *binary, double *unit_mm)
+{
+    if (!ends_in(path, ".glb") && !ends_in(path, ".gltf"))
+        return kn_fail(ctx, KN_EDOMAIN, "gltf: %s ends neither in .glb nor in .gltf", path);
+    if (!(*unit_mm >= 0.0 && std::isfinite(*unit_mm)))
+        return kn_fail(ctx, KN_EDOMAIN, "gltf: %g millimetres in a unit", *unit_mm);
+    if (*unit_mm == 0.0) *unit_mm = 1.0;
+    *binary = ends_in(path, ".glb");
+    return KN_OK;
+}
+
+kn_status write_file(kn_ctx *ctx, kn_out_file *file, const file_options *options, part *parts, int nparts)
+{
+    kn_status status = KN_OK;
+    try {
+        status = write_model(ctx, file, options, parts, nparts);
+    } catch (const std::bad_alloc &) {
+        return kn_fail(ctx, KN_ENOMEM, "gltf: no memory for the file's contents");
+    } catch (const std::exception &e) {
+        return kn_fail(ctx, KN_EIO, "gltf: %s", e.what());
+    }
+    if (status != KN_OK) return status;
+    return kn_out_commit(ctx, file);
+}
+
+} // namespace kng

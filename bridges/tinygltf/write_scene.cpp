@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: Apache-2.0
+// kn_gltf_write: meshes with a material and perhaps colours of their vertices, as a glTF file.
+#include <cstdio>
+#include <cstring>
+
+#include "bridges/tinygltf/model.h"
+
+namespace
+{
+
+using namespace kng;
+
+kn_status fill(kn_ctx *ctx, part *out, const kn_scene_item *item, int index)
+{
+    const kn_mesh &m = item->mesh;
+    chunk *c = &out->mesh;
+    snprintf(out->name, sizeof out->name, "mesh %d", index);
+    out->material = item->material;
+    if (!m.normal) return kn_fail(ctx, KN_EDOMAIN, "gltf: mesh %d has no normals", index);
+    if (m.nvertices >= UINT32_MAX / 24 || m.ntriangles >= UINT32_MAX / 12)
+        return kn_fail(ctx, KN_ELIMIT, "gltf: %zu vertices and %zu triangles in one mesh", m.nvertices, m.ntriangles);
+    if (!reserve(ctx, c, m.nvertices, m.ntriangles)) return KN_ENOMEM;
+    if (item->color && m.nvertices > 0)
+        c->color = static_cast<float *>(kn_alloc(ctx, m.nvertices, 3 * sizeof(float)));
+    if (item->color && m.nvertices > 0 && !c->color) return KN_ENOMEM;
+    kn_status status = KN_OK;
+    for (size_t i = 0; i < m.nvertices && status == KN_OK; i++) {
+        status = to_float(ctx, c->vertex + 6 * i, m.position + 3 * i);
+        if (status == KN_OK) status = to_float(ctx, c->vertex + 6 * i + 3, m.normal + 3 * i);
+    }
+    for (size_t i = 0; i < 3 * m.ntriangles && status == KN_OK; i++) {
+        if (m.triangle[i] >= m.nvertices)
+            return kn_fail(ctx, KN_EDOMAIN, "gltf: triangle %zu of mesh %d has vertex %u of %zu", i / 3, index,
+                           m.triangle[i], m.nvertices);
+        c->triangle[i] = m.triangle[i];
+    }
+    if (c->color) memcpy(c->color, item->color, 3 * m.nvertices * sizeof(float));
+    c->nvertices = m.nvertices, c->ntriangles = m.ntriangles;
+    return status;
+}
+
+} // namespace
+
+kn_status kn_gltf_write(kn_ctx *ctx, const char *path, const kn_scene *scene, const kn_gltf_options *options)
+{
+    kn_gltf_options o = options ? *options : kn_gltf_defaults();
+    file_options file = {o.name ? o.name : "knurl", o.extras, 0.0, false};
+    kn_status status = check_file(ctx, path, &file.binary, &o.unit_mm);
+    file.unit_mm = o.unit_mm;
+    if (status != KN_OK) return status;
+    part *parts = static_cast<part *>(kn_alloc_zero(ctx, static_cast<size_t>(scene->nitems) + 1, sizeof *parts));
+    kn_out_file *out = nullptr;
+    if (!parts) status = KN_ENOMEM;
+    for (int i = 0; i < scene->nitems && status == KN_OK; i++) status = fill(ctx, parts + i, scene->items + i, i);
+    if (status == KN_OK) status = kn_out_open(ctx, &out, path);
+    if (status == KN_OK) status = write_file(ctx, out, &file, parts, scene->nitems);
+    kn_out_close(ctx, out);
+    for (int i = 0; i < scene->nitems && parts; i++) clear_chunk(ctx, &parts[i].mesh);
+    kn_free(ctx, parts);
+    return status;
+}
