@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "kernel/knots.h"
 #include "tests/bezier/reference.h"
 
 static kn_bezier curve(kn_ctx *ctx, int degree, int ncomp, bool rational, const double *coef)
@@ -226,12 +227,6 @@ static double steepest(kn_ctx *ctx, const kn_bezier *b, int var)
     return most;
 }
 
-static int by_value(const void *a, const void *b)
-{
-    double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
 // Derivatives of cubics are means of at most 3 vectors in each variable, weights differ by a factor of 2: the bound is
 // seldom far from the steepest place. Half the cases lie within a factor of 2 (a random net's are near 1.2 and 1.6).
 static void lipschitz_bounds(void **state)
@@ -262,7 +257,7 @@ static void lipschitz_bounds(void **state)
             assert_true(fabs(moved[var] - bound[var]) <= 1e-9 * bound[var]); // 1e3 times some hundred u
             kn_bezier_clear(ctx, &b);
         }
-        qsort(ratio, CASES, sizeof *ratio, by_value);
+        qsort(ratio, CASES, sizeof *ratio, kn_knots_by_value);
         assert_true(ratio[CASES / 2] <= 2.0);
     }
     test_ctx_end(ctx, &memory);

@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "kernel/knots.h"
 #include "tests/support/support.h"
 
 static void assert_equal(const kn_bezier *a, const kn_bezier *b)
@@ -84,12 +85,6 @@ static void by_hand(void **state)
     test_ctx_end(ctx, &memory);
 }
 
-static int by_value(const void *a, const void *b)
-{
-    double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
 static double sampled(kn_ctx *ctx, const kn_bezier *a, const kn_bezier *b, test_rng *rng, int n)
 {
     double most = 0;
@@ -141,7 +136,7 @@ static void bounds_hold_and_are_tight(void **state)
         kn_bezier_clear(ctx, &a);
         kn_bezier_clear(ctx, &b);
     }
-    qsort(slack, (size_t)n, sizeof *slack, by_value);
+    qsort(slack, (size_t)n, sizeof *slack, kn_knots_by_value);
     printf("# %d bounds, bound / largest of 300 samples: median %.2f, worst %.1f\n", n, slack[n / 2], slack[n - 1]);
     assert_true(n > ROUNDS / 2 && slack[n / 2] <= 100);
     test_ctx_end(ctx, &memory);

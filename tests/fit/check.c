@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // What the tests of fits share.
+#include "kernel/knots.h"
 #include "tests/fit/check.h"
 
 #include <math.h>
@@ -29,12 +30,6 @@ double check_eval_operations(const kn_spline *s)
     return n;
 }
 
-static int by_value(const void *a, const void *b)
-{
-    double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
 // Sorting keeps t_i < x_i < t_i+p+1: both sides increase with i.
 void check_random_sites(test_rng *rng, double *sites, const double *knots, int degree, int count)
 {
@@ -44,7 +39,7 @@ void check_random_sites(test_rng *rng, double *sites, const double *knots, int d
     }
     if (test_int(rng, 0, 1)) sites[0] = knots[0];
     if (test_int(rng, 0, 1)) sites[count - 1] = knots[count];
-    qsort(sites, (size_t)count, sizeof *sites, by_value);
+    qsort(sites, (size_t)count, sizeof *sites, kn_knots_by_value);
 }
 
 void check_grid_place(double *at, size_t i, int nvars, const int *n, const double *const *sites)

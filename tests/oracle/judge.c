@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The judge of bounds, and coefficients to try.
+#include "kernel/knots.h"
 #include "tests/oracle/exact.h"
 
 #include <math.h>
@@ -108,17 +109,11 @@ void exact_assert_nearest(const double *computed, const exact *value)
     arf_clear(x);
 }
 
-static int by_value(const void *a, const void *b)
-{
-    double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
 void exact_judge_end(exact_judge_t *judge, double slack)
 {
     double middle = 1.0;
     if (judge->count) {
-        qsort(judge->ratio, judge->count, sizeof *judge->ratio, by_value);
+        qsort(judge->ratio, judge->count, sizeof *judge->ratio, kn_knots_by_value);
         middle = 1.0 / judge->ratio[judge->count / 2];
     }
     print_message("# %-34s %8zu numbers, %5.1f%% exact; error/bound <= %5.3f, %7.1f u; bound/error median %6.1f\n",

@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // Splines evaluated in long double by de Boor's algorithm on control values.
 #include "tests/spline/oracle.h"
+#include "kernel/knots.h"
 
 #include <float.h>
 #include <math.h>
 #include <stdbool.h>
-
-#include "tests/support/support.h"
 
 // The piece on span s in one variable: c holds its degree + 1 control values and is destroyed. absolute: every
 // difference is replaced by the sum of absolute values.
@@ -104,4 +103,61 @@ void oracle_assert_same(const kn_spline *s, const kn_spline *t, uint64_t salt, i
                 fail_msg("component %d differs by %Lg, bound %Lg", c, fabsl(u[c] - v[c]),
                          oracle_gamma(operations) * (su[c] + sv[c]));
     }
+}
+
+double oracle_largest(const kn_spline *s)
+{
+    double most = 0;
+    for (size_t i = 0; i < kn_spline_count(s) * (size_t)s->ncomp; i++) most = fmax(most, fabs(s->coef[i]));
+    return most;
+}
+
+int oracle_lower(int a, int b)
+{
+    return a < b ? a : b;
+}
+
+int oracle_multiplicity(const kn_spline *s, int var, double at)
+{
+    int n = 0;
+    for (int i = 0; i < s->count[var] + s->degree[var] + 1; i++) n += s->knots[var][i] == at;
+    return n;
+}
+
+double oracle_growth(const kn_spline *out)
+{
+    double total = 1;
+    for (int d = 0; d < out->nvars; d++) {
+        double breaks[16], w[64 * 16], most = 0;
+        int first[64], n = kn_knots_breaks(breaks, NULL, out->knots[d], out->degree[d], out->count[d]);
+        assert_true(out->count[d] <= 64 && out->degree[d] < 16 && n <= 16);
+        kn_band band = {.rows = out->count[d], .first = first, .w = w};
+        kn_band_join(&band, breaks, n, out->degree[d], out->knots[d]);
+        for (int i = 0; i < band.rows; i++) {
+            double sum = 0;
+            for (int k = 0; k < band.width; k++) sum += fabs(w[i * band.width + k]);
+            most = fmax(most, sum);
+        }
+        total *= most;
+    }
+    return total;
+}
+
+double oracle_sampled_distance(const kn_spline *a, const kn_spline *b, test_rng *rng, int n)
+{
+    double most = 0;
+    for (; n > 0; n--) {
+        double at[3], sum = 0;
+        long double x[4], y[4];
+        for (int d = 0; d < a->nvars; d++) {
+            double lo, hi;
+            kn_spline_domain(a, d, &lo, &hi);
+            at[d] = test_uniform(rng, lo, hi);
+        }
+        oracle_value(x, a, at);
+        oracle_value(y, b, at);
+        for (int c = 0; c < kn_spline_dim(a); c++) sum += (double)((x[c] - y[c]) * (x[c] - y[c]));
+        most = fmax(most, sqrt(sum));
+    }
+    return most;
 }

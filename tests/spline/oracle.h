@@ -4,6 +4,8 @@
 #ifndef TESTS_SPLINE_ORACLE_H
 #define TESTS_SPLINE_ORACLE_H
 
+#include "tests/support/support.h"
+
 #include <knurl/spline.h>
 
 // value[c], c < ncomp: the homogeneous components (not projected) of the derivative of orders a[] (NULL: the value)
@@ -24,5 +26,16 @@ int oracle_eval_operations(const kn_spline *s);
 // absolute sums of both. t: the same function on other knots.
 void oracle_assert_same(const kn_spline *s, const kn_spline *t, uint64_t salt, int points, double beyond,
                         int operations);
+// The largest |coefficient|.
+double oracle_largest(const kn_spline *s);
+// The smaller of two.
+int oracle_lower(int a, int b);
+// How often `at` occurs among the knots of variable var.
+int oracle_multiplicity(const kn_spline *s, int var, double at);
+// J: how much errors of pieces can grow on the way to out's coefficients, the largest sum of |weights|. At most 64
+// coefficients and 16 breaks in a variable.
+double oracle_growth(const kn_spline *out);
+// The largest distance of two splines of at most 3 variables and dimension 3 at n random points, projected.
+double oracle_sampled_distance(const kn_spline *a, const kn_spline *b, test_rng *rng, int n);
 
 #endif

@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "kernel/knots.h"
 #include "tests/spline/oracle.h"
 #include "tests/support/support.h"
 
@@ -63,31 +64,6 @@ static void elevation_is_undone(void **state)
     test_ctx_end(ctx, &memory);
 }
 
-static int by_value(const void *a, const void *b)
-{
-    double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
-static double sampled(const kn_spline *a, const kn_spline *b, test_rng *rng, int n)
-{
-    double most = 0;
-    for (; n > 0; n--) {
-        double at[3], sum = 0;
-        long double x[4], y[4];
-        for (int d = 0; d < a->nvars; d++) {
-            double lo, hi;
-            kn_spline_domain(a, d, &lo, &hi);
-            at[d] = test_uniform(rng, lo, hi);
-        }
-        oracle_value(x, a, at);
-        oracle_value(y, b, at);
-        for (int c = 0; c < kn_spline_dim(a); c++) sum += (double)((x[c] - y[c]) * (x[c] - y[c]));
-        most = fmax(most, sqrt(sum));
-    }
-    return most;
-}
-
 static void bounds_hold_and_are_tight(void **state)
 {
     (void)state;
@@ -114,13 +90,13 @@ static void bounds_hold_and_are_tight(void **state)
         for (int d = 0; d < nvars; d++) assert_int_equal(b.degree[d], low[d]);
         if (!rational) assert_int_equal(kn_spline_check(ctx, &b), KN_OK);
         assert_true(isfinite(error) || rational);
-        double off = sampled(&a, &b, &rng, 300);
+        double off = oracle_sampled_distance(&a, &b, &rng, 300);
         assert_true(off <= error);
         if (real && off > 0 && isfinite(error)) slack[n++] = error / off;
         kn_spline_clear(ctx, &a);
         kn_spline_clear(ctx, &b);
     }
-    qsort(slack, (size_t)n, sizeof *slack, by_value);
+    qsort(slack, (size_t)n, sizeof *slack, kn_knots_by_value);
     printf("# %d bounds, bound / largest of 300 samples: median %.2f, worst %.1f\n", n, slack[n / 2], slack[n - 1]);
     assert_true(n > ROUNDS / 2 && slack[n / 2] <= 100);
     test_ctx_end(ctx, &memory);

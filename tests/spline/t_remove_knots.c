@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "kernel/knots.h"
 #include "tests/spline/oracle.h"
 #include "tests/support/support.h"
 
@@ -142,32 +143,6 @@ static void knots_that_mean_nothing(void **state)
     test_ctx_end(ctx, &memory);
 }
 
-// The largest distance of two splines at n random points, projected.
-static double sampled(const kn_spline *a, const kn_spline *b, test_rng *rng, int n)
-{
-    double most = 0;
-    for (; n > 0; n--) {
-        double at[3], sum = 0;
-        long double x[4], y[4];
-        for (int d = 0; d < a->nvars; d++) {
-            double lo, hi;
-            kn_spline_domain(a, d, &lo, &hi);
-            at[d] = test_uniform(rng, lo, hi);
-        }
-        oracle_value(x, a, at);
-        oracle_value(y, b, at);
-        for (int c = 0; c < kn_spline_dim(a); c++) sum += (double)((x[c] - y[c]) * (x[c] - y[c]));
-        most = fmax(most, sqrt(sum));
-    }
-    return most;
-}
-
-static int by_value(const void *a, const void *b)
-{
-    double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
 // A smooth function's spline with far too many knots, uneven, some of them double, at any scale.
 static void smooth(kn_ctx *ctx, kn_spline *s, test_rng *rng, int nvars, bool rational, double scale)
 {
@@ -217,18 +192,18 @@ static void within_a_tolerance(void **state)
         assert_int_equal(kn_spline_remove_knots(ctx, &t, &error, &s, 0, tolerance), KN_OK);
         assert_int_equal(kn_spline_check(ctx, &t), KN_OK);
         assert_true(error >= 0 && error <= tolerance);
-        double true_error = sampled(&s, &t, &rng, 400);
+        double true_error = oracle_sampled_distance(&s, &t, &rng, 400);
         assert_true(true_error <= error);
         if (true_error > 0) slack[n++] = error / true_error;
         double again;
         kn_spline u = {0};
         assert_int_equal(kn_spline_remove_knots(ctx, &u, &again, &s, 0, INFINITY), KN_OK); // all may go
-        assert_true(sampled(&s, &u, &rng, 50) <= again);
+        assert_true(oracle_sampled_distance(&s, &u, &rng, 50) <= again);
         kn_spline_clear(ctx, &s);
         kn_spline_clear(ctx, &t);
         kn_spline_clear(ctx, &u);
     }
-    qsort(slack, (size_t)n, sizeof *slack, by_value);
+    qsort(slack, (size_t)n, sizeof *slack, kn_knots_by_value);
     assert_true(n > ROUNDS / 2);
     printf("# bound / largest sample: median %.2f\n", slack[n / 2]);
     assert_true(slack[n / 2] <= 100);
@@ -389,7 +364,7 @@ static void merging_surfaces(void **state)
         assert_true(error <= 1e-9);
         assert_int_equal(both.count[0], s.count[0]); // all of the continuity there was
         // |error| is of the joining; what came before is of knot insertion and elevation, 60 roundings of 50
-        double off = sampled(&s, &both, &rng, 30);
+        double off = oracle_sampled_distance(&s, &both, &rng, 30);
         assert_true(off <= error + oracle_gamma(200) * 100);
         kn_spline_clear(ctx, &s);
         kn_spline_clear(ctx, &left);
