@@ -10,6 +10,9 @@
 extern "C" {
 #endif
 
+// Common to all below: surfaces have two variables and dimension 3, polynomial or rational (else KN_EDOMAIN). Outputs
+// are unchanged by a call that fails. All but what says so may fail with KN_ENOMEM and with what kn_spline_check finds.
+
 // ---- how even are cells? ----
 
 // Of one quantity over all cells.
@@ -20,20 +23,58 @@ typedef struct kn_cells_range {
 } kn_cells_range;
 typedef struct kn_cells_spread {
     size_t cells;
-    kn_cells_range width, height,
-        area; // of the images of cells on S: mean of opposite sides; integral of |S_u x S_v|
+    // Of the images of cells on S: the mean of the two sides along u, of those along v, and the integral of
+    // |S_u x S_v|.
+    kn_cells_range width, height, area;
 } kn_cells_spread;
-// Over the cells between lines (NULL: the knots) of a surface.
+// The cells of one surface: between lines[d][0 .. nlines[d]-1]; NULL: the knots.
+typedef struct kn_cells_grid {
+    const kn_spline *surface;
+    const double *lines[2];
+    int nlines[2];
+} kn_cells_grid;
+// Over the cells between lines (NULL, or either of them NULL: the knots) of a surface.
+// in:     at least two lines each way, increasing, within the domain; cells need not end at knots.
+// fails:  KN_EDOMAIN lines, a cell whose size is not finite; KN_ECANCELLED.
+// error:  that of quadrature, no bound: Gauss's rules of 12 (a cell as large as a knot span) to 4 points (of a
+//         sixteenth or less) each way, between knots. Measured on quarter circles: 1e-15 to 1e-12.
+// cost:   16 to 144 values of S with its partials a cell; 8 bytes a cell.
 KN_API KN_CHECKED kn_status kn_cells_measure(kn_ctx *ctx, kn_cells_spread *out, const kn_spline *surface,
                                              const double *const lines[2], const int nlines[2]);
+// Over the cells of several surfaces together. fails: also ngrids < 1.
+KN_API KN_CHECKED kn_status kn_cells_measure_all(kn_ctx *ctx, kn_cells_spread *out, const kn_cells_grid *grids,
+                                                 int ngrids);
 
-// ---- even lines: a cell stays a rectangle of (u,v), so no degree grows ----
+// ---- lines of one variable: a cell stays a rectangle of (u,v), so no degree grows ----
 
-// lines[0 .. count]: from one end of the domain to the other, all knots of S among them, placed so that cells are as
-// even as lines of one variable can make them: equal shares of the mean length of S along var, knot spans rounded.
-// fails: KN_EDOMAIN count below the knot spans.
+// *lines, count + 1 of them for kn_free: from one end of the domain to the other, all knots of S among them. A knot
+// span gets cells in proportion to its size, but at least one; equal steps inside each.
+// fails:  KN_EDOMAIN var, count below the knot spans.
+// error:  a line between knots a < b is a + (b - a) (j / parts), three roundings.
+KN_API KN_CHECKED kn_status kn_cells_uniform_lines(kn_ctx *ctx, double **lines, const kn_spline *surface, int var,
+                                                   int count);
+// The same, size and steps in length: with L(t) the length of S along var from the domain's start to t, averaged over
+// the other variable, a knot span gets cells in proportion to its part of L, and inside it lines are at equal steps
+// of L. So cells are as even as lines of one variable make them, and a tile is only stretched: C0 and G1 across cells
+// if it is so on equal ones.
+// fails:  KN_EDOMAIN var, count below the knot spans, no length, or lines so near that they fall together.
+// error:  that of L: Gauss's rule of 10 points on eighths of each knot span and its interpolant in between, inverted
+//         until steps are below 1e-15 of a span. Measured against closed forms: lines within 1e-12 of the domain.
+// cost:   80 times 2 to 8 values for each box of knots; about 100 ns a line.
 KN_API KN_CHECKED kn_status kn_cells_even_lines(kn_ctx *ctx, double **lines, const kn_spline *surface, int var,
                                                 int count);
+// One direction of a surface; reversed: the others run against it.
+typedef struct kn_cells_along {
+    const kn_spline *surface;
+    int var;
+    bool reversed;
+} kn_cells_along;
+// Even lines for n >= 1 directions together, so that cells meet on edges that surfaces share: L is the sum of theirs,
+// and lines lie at the same places of each member's knot spans (bit for bit on equal knots, in the same direction).
+// in:     the same knots, scaled to [0,1] and reversed as said, within 1e-9 (else KN_EDOMAIN).
+// out:    lines[0 .. n-1], each as above.
+KN_API KN_CHECKED kn_status kn_cells_shared_lines(kn_ctx *ctx, double **lines, const kn_cells_along *along, int n,
+                                                  int count);
 
 // ---- rows of different counts ----
 
