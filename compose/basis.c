@@ -8,7 +8,7 @@ kn_bezier *kn_compose_list(kn_ctx *ctx, int n)
     return kn_alloc_zero(ctx, (size_t)n, sizeof(kn_bezier));
 }
 
-void kn_compose_clear_all(kn_ctx *ctx, kn_bezier *list, int n)
+static void clear_all(kn_ctx *ctx, kn_bezier *list, int n)
 {
     for (int i = 0; i < n; i++) kn_bezier_clear(ctx, &list[i]);
 }
@@ -16,7 +16,7 @@ void kn_compose_clear_all(kn_ctx *ctx, kn_bezier *list, int n)
 void kn_compose_list_clear(kn_ctx *ctx, kn_bezier *list, int n)
 {
     if (!list) return;
-    kn_compose_clear_all(ctx, list, n);
+    clear_all(ctx, list, n);
     kn_free(ctx, list);
 }
 
@@ -27,7 +27,7 @@ kn_status kn_compose_powers(kn_ctx *ctx, kn_bezier *power, int p, const kn_bezie
     if (status == KN_OK) power[0].coef[0] = 1.0;
     for (int i = 1; status == KN_OK && i <= p; i++)
         status = i == 1 ? kn_bezier_copy(ctx, &power[1], x) : kn_bezier_product(ctx, &power[i], &power[i - 1], x);
-    if (status != KN_OK) kn_compose_clear_all(ctx, power, p + 1);
+    if (status != KN_OK) clear_all(ctx, power, p + 1);
     return status;
 }
 
@@ -51,7 +51,7 @@ kn_status kn_compose_basis(kn_ctx *ctx, kn_bezier *basis, int p, const kn_bezier
         status = kn_bezier_product(ctx, &basis[i], &power[i], &power[p + 1 + p - i]);
         if (status == KN_OK) status = kn_bezier_scale(ctx, &basis[i], &basis[i], kn_binomial(p, i));
     }
-    if (status != KN_OK) kn_compose_clear_all(ctx, basis, p + 1);
+    if (status != KN_OK) clear_all(ctx, basis, p + 1);
     kn_bezier_clear(ctx, &rest);
     kn_compose_list_clear(ctx, power, 2 * (p + 1));
     return status;

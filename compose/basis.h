@@ -17,6 +17,5 @@ kn_status kn_compose_powers(kn_ctx *ctx, kn_bezier *power, int p, const kn_bezie
 // n empty pieces (NULL: KN_ENOMEM recorded), and their end.
 kn_bezier *kn_compose_list(kn_ctx *ctx, int n);
 void kn_compose_list_clear(kn_ctx *ctx, kn_bezier *list, int n);
-void kn_compose_clear_all(kn_ctx *ctx, kn_bezier *list, int n); // the pieces only
 
 #endif

@@ -31,8 +31,8 @@ typedef struct kn_job_rect {
     uint16_t index[2];
 } kn_job_rect;
 
-// One way to compose: which part of the tile, over which box of its cell, with which degrees of S and of n (term[0]
-// and term[1] of the piece), to which degree. A leaf of the plan is the number of its key, and a matrix belongs to a
+// One way to compose: which part of the tile, over which box of its cell, with which terms of the piece (degrees and
+// powers of w), to which degree. A leaf of the plan is the number of its key, and a matrix belongs to a
 // key.
 typedef struct kn_job_key {
     int patch; // of job->patches
@@ -40,8 +40,9 @@ typedef struct kn_job_key {
     uint8_t turn; // quarter turns of it into the cell where it lies (kn_job_place)
     bool whole;   // over the whole cell; else over kn_job_box of the rect
     bool exact;
-    uint8_t degree[KN_SHELL_TERMS][2];
-    uint8_t factor; // composed degree / the tile patch's degree
+    uint8_t nterms;
+    uint8_t degree[KN_SHELL_TERMS][2], power[KN_SHELL_TERMS];
+    uint8_t factor; // composed degree / the tile patch's degree: the largest sum of a term's degrees and power
 } kn_job_key;
 
 // The edge that an edge of the base coincides with. Edges of surface s: 4s + 0 and 1 at the ends of u (they run along

@@ -2,24 +2,6 @@
 // A set of keys, and what follows from one.
 #include "compose/job.h"
 
-// All fields of a key in two words.
-typedef struct packed {
-    uint64_t a, b;
-} packed;
-
-static packed pack(const kn_job_key *k)
-{
-    packed p = {.a = (uint32_t)k->patch, .b = k->factor};
-    for (int d = 0; d < 2; d++) {
-        p.a = p.a << 4 | k->rect.level[d];
-        p.a = p.a << 12 | k->rect.index[d];
-    }
-    for (int t = 0; t < KN_SHELL_TERMS; t++)
-        for (int d = 0; d < 2; d++) p.b = p.b << 8 | k->degree[t][d];
-    p.b = p.b << 4 | (uint64_t)(k->turn << 2 | k->whole << 1 | k->exact);
-    return p;
-}
-
 // The finalizer of SplitMix64.
 static uint64_t mix(uint64_t x)
 {
@@ -28,16 +10,41 @@ static uint64_t mix(uint64_t x)
     return x ^ x >> 31;
 }
 
+static uint64_t term_of(const kn_job_key *k, int t)
+{
+    return (uint64_t)k->degree[t][0] << 16 | (uint64_t)k->degree[t][1] << 8 | k->power[t];
+}
+
+// All fields of a key but the terms, without loss: patch, levels, indices and what is left, and the flags.
+static uint64_t place_of(const kn_job_key *k)
+{
+    uint64_t p = (uint32_t)k->patch;
+    for (int d = 0; d < 2; d++) p = (p << 4 | k->rect.level[d]) << 12 | k->rect.index[d];
+    return p;
+}
+
+static uint32_t kind_of(const kn_job_key *k)
+{
+    return (uint32_t)k->factor << 16 | (uint32_t)k->nterms << 8 | (uint32_t)(k->turn << 2 | k->whole << 1 | k->exact);
+}
+
+static bool same_key(const kn_job_key *a, const kn_job_key *b)
+{
+    if (place_of(a) != place_of(b) || kind_of(a) != kind_of(b)) return false;
+    for (int t = 0; t < a->nterms; t++)
+        if (term_of(a, t) != term_of(b, t)) return false;
+    return true;
+}
+
 // The slot that holds key, or the empty one where it belongs.
 static size_t find(const kn_job_keys *keys, const kn_job_key *key)
 {
-    packed p = pack(key);
-    size_t at = (size_t)mix(p.a ^ mix(p.b));
+    uint64_t terms = kind_of(key);
+    for (int t = 0; t < key->nterms; t++) terms = terms * 0x9e3779b97f4a7c15u + term_of(key, t);
+    size_t at = (size_t)mix(place_of(key) ^ mix(terms));
     for (;; at++) {
         at &= keys->nslots - 1;
-        if (keys->slot[at] == 0) return at;
-        packed q = pack(&keys->list[keys->slot[at] - 1]);
-        if (p.a == q.a && p.b == q.b) return at;
+        if (keys->slot[at] == 0 || same_key(key, &keys->list[keys->slot[at] - 1])) return at;
     }
 }
 

@@ -52,10 +52,12 @@ static kn_status add_leaf(kn_ctx *ctx, cell_work *w, int patch, kn_job_rect rect
     }
     kn_job_key key = {.patch = patch, .rect = rect, .turn = (uint8_t)turn, .whole = whole, .exact = piece->exact};
     int factor = 1;
+    key.nterms = (uint8_t)piece->nterms;
     for (int t = 0; t < piece->nterms; t++) {
         const int *degree = piece->term[t].degree;
         for (int d = 0; d < 2; d++) key.degree[t][d] = (uint8_t)degree[d];
-        factor = larger(factor, degree[0] + degree[1] + t);
+        key.power[t] = (uint8_t)piece->power[t];
+        factor = larger(factor, degree[0] + degree[1] + piece->power[t]);
     }
     key.factor = (uint8_t)factor;
     plan->keys[plan->count++] = key;

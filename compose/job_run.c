@@ -12,7 +12,7 @@ enum {
     LEAST_USES = 4,          // of a key that is no whole cell's, below which its matrix costs more than it saves
 };
 
-// What composes all patches of a key: [M0 | M1] transposed and packed, k x n. NULL: symbolically.
+// What composes all patches of a key: [M0 | M1 ..] transposed and packed, k x n. NULL: symbolically.
 typedef struct matrix {
     double *packed;
     size_t k, n;
@@ -42,29 +42,29 @@ static kn_status make_matrix(kn_ctx *ctx, void *user, size_t index)
     kn_bezier d = {0};
     kn_compose_matrix m[KN_SHELL_TERMS] = {{.m = NULL}};
     matrix made = {0};
-    double lo[2], hi[2], *both = NULL;
+    double lo[2], hi[2], *all = NULL;
     int rows[2];
     kn_job_degree(r->job, key, rows);
     kn_status status = kn_job_in_box(ctx, &d, lo, hi, r->job, key);
-    for (int t = 0; status == KN_OK && t < KN_SHELL_TERMS; t++) {
+    for (int t = 0; status == KN_OK && t < key->nterms; t++) {
         const int degree[2] = {key->degree[t][0], key->degree[t][1]};
-        status = kn_compose_matrix_init(ctx, &m[t], &d, degree, t, rows);
+        status = kn_compose_matrix_init(ctx, &m[t], &d, degree, key->power[t], rows);
         made.k += m[t].cols;
         made.n = m[t].rows;
     }
-    if (status == KN_OK) both = kn_alloc(ctx, made.k * made.n, sizeof *both);
-    if (both) made.packed = kn_alloc(ctx, kn_gemm_room(made.k, made.n), sizeof *made.packed);
+    if (status == KN_OK) all = kn_alloc(ctx, made.k * made.n, sizeof *all);
+    if (all) made.packed = kn_alloc(ctx, kn_gemm_room(made.k, made.n), sizeof *made.packed);
     if (status == KN_OK && !made.packed) status = KN_ENOMEM;
     if (status == KN_OK) {
-        for (size_t q = 0; q < made.n; q++) {
-            memcpy(both + q * made.k, m[0].m + q * m[0].cols, m[0].cols * sizeof *both);
-            memcpy(both + q * made.k + m[0].cols, m[1].m + q * m[1].cols, m[1].cols * sizeof *both);
-        }
-        kn_gemm_pack(made.packed, both, made.k, made.n, 1, made.k);
+        double *to = all;
+        for (size_t q = 0; q < made.n; q++)
+            for (int t = 0; t < key->nterms; to += m[t++].cols)
+                memcpy(to, m[t].m + q * m[t].cols, m[t].cols * sizeof *all);
+        kn_gemm_pack(made.packed, all, made.k, made.n, 1, made.k);
         r->matrices[index] = made;
     }
-    kn_free(ctx, both);
-    for (int t = 0; t < KN_SHELL_TERMS; t++) kn_compose_matrix_clear(ctx, &m[t]);
+    kn_free(ctx, all);
+    for (int t = 0; t < key->nterms; t++) kn_compose_matrix_clear(ctx, &m[t]);
     kn_bezier_clear(ctx, &d);
     return status;
 }
@@ -161,15 +161,18 @@ typedef struct composer {
     size_t norder, at, used; // patches and coefficients made
 } composer;
 
-// The control points of a piece, a row of [term 0 | term 1] for each component; in scratch memory.
+// The control points of a piece, a row of [term 0 | term 1 ..] for each component; in scratch memory.
 static const double *piece_rows(kn_ctx *ctx, const kn_shell_piece *piece, int ncomp)
 {
-    size_t n0 = kn_bezier_count(&piece->term[0]), n1 = kn_bezier_count(&piece->term[1]);
-    double *rows = kn_scratch(ctx, (size_t)ncomp * (n0 + n1), sizeof *rows);
-    for (size_t c = 0; rows && c < (size_t)ncomp; c++) {
-        memcpy(rows + c * (n0 + n1), piece->term[0].coef + c * n0, n0 * sizeof *rows);
-        memcpy(rows + c * (n0 + n1) + n0, piece->term[1].coef + c * n1, n1 * sizeof *rows);
-    }
+    size_t row = 0;
+    for (int t = 0; t < piece->nterms; t++) row += kn_bezier_count(&piece->term[t]);
+    double *rows = kn_scratch(ctx, (size_t)ncomp * row, sizeof *rows), *to = rows;
+    for (size_t c = 0; rows && c < (size_t)ncomp; c++)
+        for (int t = 0; t < piece->nterms; t++) {
+            size_t n = kn_bezier_count(&piece->term[t]);
+            memcpy(to, piece->term[t].coef + c * n, n * sizeof *rows);
+            to += n;
+        }
     return rows;
 }
 

@@ -24,6 +24,10 @@ static kn_status check(kn_ctx *ctx, const kn_shell_piece *piece, const kn_bezier
         if (piece->term[k].nvars != 2 || piece->term[k].ncomp != piece->term[0].ncomp)
             return kn_fail(ctx, KN_EDOMAIN, "compose: term %d of the piece has %d variables, %d components", k,
                            piece->term[k].nvars, piece->term[k].ncomp);
+    for (int k = 0; k < piece->nterms; k++)
+        if (piece->power[k] < 0 || piece->power[k] > KN_MAX_DEGREE)
+            return kn_fail(ctx, piece->power[k] < 0 ? KN_EDOMAIN : KN_ELIMIT, "compose: term %d has w^%d", k,
+                           piece->power[k]);
     return KN_OK;
 }
 
@@ -31,12 +35,14 @@ kn_status kn_compose_piece(kn_ctx *ctx, kn_bezier *out, const kn_shell_piece *pi
 {
     kn_status status = check(ctx, piece, tile);
     if (status != KN_OK) return status;
-    kn_bezier uv = {0}, w = {0}, power[KN_SHELL_TERMS] = {{0}}, sum = {0}, term = {0};
-    status = kn_bezier_components(ctx, &uv, tile, 0, 2);
+    int top = 0;
+    for (int k = 0; k < piece->nterms; k++) top = piece->power[k] > top ? piece->power[k] : top;
+    kn_bezier uv = {0}, w = {0}, sum = {0}, term = {0}, *power = kn_compose_list(ctx, top + 1);
+    status = power ? kn_bezier_components(ctx, &uv, tile, 0, 2) : KN_ENOMEM;
     if (status == KN_OK) status = kn_bezier_components(ctx, &w, tile, 2, 1);
-    if (status == KN_OK) status = kn_compose_powers(ctx, power, piece->nterms - 1, &w);
+    if (status == KN_OK) status = kn_compose_powers(ctx, power, top, &w);
     for (int k = 0; status == KN_OK && k < piece->nterms; k++) {
-        status = compose_term(ctx, &term, &piece->term[k], &uv, &power[k]);
+        status = compose_term(ctx, &term, &piece->term[k], &uv, &power[piece->power[k]]);
         if (status == KN_OK && k > 0) status = kn_bezier_sum(ctx, &sum, &sum, &term);
         if (status == KN_OK && k == 0) kn_bezier_swap(&sum, &term);
     }
@@ -48,6 +54,6 @@ kn_status kn_compose_piece(kn_ctx *ctx, kn_bezier *out, const kn_shell_piece *pi
     kn_bezier_clear(ctx, &w);
     kn_bezier_clear(ctx, &sum);
     kn_bezier_clear(ctx, &term);
-    kn_compose_clear_all(ctx, power, KN_SHELL_TERMS);
+    kn_compose_list_clear(ctx, power, top + 1);
     return status;
 }

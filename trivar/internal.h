@@ -10,18 +10,43 @@
 typedef struct kn_direction {
     kn_bezier n;
     double error;    // bound of the error of every coefficient vector of n
+    int exponent;    // n is so many powers of two smaller than S_u x S_v (of a rational S, W^3 times it)
     int order[2][2]; // [variable][end]: how often x or (1 - x) was divided out
 } kn_direction;
 
+// A spline that T is made of, beside n: whole, over the knot spans of S, and over the cells. Its knots are knots of S.
+typedef struct kn_shell_field {
+    kn_spline whole;
+    kn_bezier *span, *cell; // nspans and ncells of them
+    int power;              // of w
+} kn_shell_field;
+
+typedef enum kn_shell_kind {
+    KN_SHELL_NORMAL,    // T = S + w h n + w^k psi
+    KN_SHELL_DIRECTION, // T = S + w h d + w^k psi
+    KN_SHELL_VOLUME,    // T = the volume
+} kn_shell_kind;
+
+// T = S + w h n + sum_t field[t] w^power. `n` is there in shells of KN_SHELL_NORMAL alone, with all that belongs to it
+// (direction, certificates); the h of KN_SHELL_DIRECTION is in field[0] already. A volume with one span in w is held
+// as its powers of w and as it is; with several (kn_shell_has_terms is false) only as it is.
 struct kn_shell {
+    kn_shell_kind kind;
     kn_spline surface, normal;
+    kn_shell_field thickness; // h; `whole` empty: 1
+    kn_shell_field field[KN_SHELL_TERMS - 1];
+    int nfields;
+    bool
+        homogeneous; // T = (S's four components + the fields' four) / weight; else the fields add to S after division
+    kn_spline volume; // its third domain begins at 0
+    kn_normal_method method;
     double normal_tol;
     bool closed[2];
     double *line[2]; // cell lines
     int nlines[2];
     double *knot[2]; // distinct knots of S: the borders of `direction` and `span`
     int nknots[2];
-    double *cut[2]; // distinct knots of n: the borders of `normal_piece` and `certificates`
+    double *cut[2]; // distinct knots of n (without n: the lines): the borders of `normal_piece` and `certificates`
     int ncuts[2];
     kn_direction *direction;
     kn_bezier *span, *cell, *normal_piece; // pieces of S over its knot spans and over cells, and of n
@@ -37,13 +62,37 @@ double kn_largest_vector(const kn_bezier *b, int first, int count);
 // u-bound of k roundings: k u / (1 - k u).
 double kn_gamma(double k);
 
+// ---- shell.c ----
+// Lines, closed directions and pieces, from the surface, the fields and the options' lines.
+kn_status kn_shell_set_grid(kn_ctx *ctx, kn_shell *shell, const kn_shell_options *options);
+// kn_shell_options with its defaults resolved.
+kn_status kn_shell_resolve(kn_ctx *ctx, kn_shell_options *out, const kn_shell_options *options);
+
+// ---- fields.c ----
+// thickness and field[] from the options, checked; their knots become knots of shell->surface.
+kn_status kn_shell_take_fields(kn_ctx *ctx, kn_shell *shell, const kn_shell_options *options);
+// The pieces of f over the spans and over the cells of the shell, whose grid is there.
+kn_status kn_shell_cut(kn_ctx *ctx, kn_bezier **span, kn_bezier **cell, const kn_shell *shell, const kn_spline *f);
+// f is the same at both ends of variable var, to 1e-12 of its size; of a rational f so are the weights.
+kn_status kn_shell_ends_meet(kn_ctx *ctx, bool *meet, const kn_spline *f, int var);
+// Whether T is a sum of powers of w: nterms of them with S, which is the first (power 0).
+static inline bool kn_shell_has_terms(const kn_shell *s)
+{
+    return s->kind != KN_SHELL_VOLUME || s->nfields > 0;
+}
+int kn_shell_nterms(const kn_shell *shell);
+// *out = term t as a spline: three components, or four homogeneous ones (as a polynomial) when S is rational.
+kn_status kn_shell_term(kn_ctx *ctx, kn_spline *out, int *power, const kn_shell *shell, int t);
+
 // ---- numerator.c ----
 // *out = the direction of one piece of S; *zero: its area vanishes identically (then *out stays empty).
 // acting: the largest vector (without the weight) and weight among the control points of S behind the piece.
 kn_status kn_direction_init(kn_ctx *ctx, kn_direction *out, bool *zero, const kn_bezier *piece,
                             const double acting[2]);
 void kn_direction_clear(kn_ctx *ctx, kn_direction *d);
-// The unit normal at x in [0,1]^2 of the span; false (and zeros) where the direction vanishes.
+// The length of the direction at x in [0,1]^2 of the span, and the unit normal; 0 (and zeros) where it vanishes.
+double kn_direction_length(double unit[3], const kn_bezier *direction, const double x[2]);
+// The unit normal alone; false (and zeros) where the direction vanishes.
 bool kn_direction_unit(double unit[3], const kn_bezier *direction, const double x[2]);
 // ---- regular.c ----
 // *regular: the direction vanishes nowhere on [0,1]^2; otherwise at[2] is within 2^-20 of a place where it does.
@@ -84,6 +133,23 @@ kn_status kn_grid_split(kn_ctx *ctx, kn_grid_axis *g, const char *split);
 // ---- fit.c ----
 // *out = the spline that interpolates the unit normal at the sites of both axes.
 kn_status kn_fit_normal(kn_ctx *ctx, kn_spline *out, const kn_shell *shell, const kn_grid_axis axes[2]);
+// *out = the spline of one component that interpolates 1/|factor N|, one factor for each span of S.
+kn_status kn_fit_reciprocal(kn_ctx *ctx, kn_spline *out, const kn_shell *shell, const kn_grid_axis axes[2],
+                            const double *factor);
+
+// ---- exact_direction.c ----
+// The direction over a box inside a span of S.
+typedef struct kn_direction_box {
+    kn_bezier n;
+    double error; // bound of the error of every coefficient vector of n
+    size_t span;  // of S
+} kn_direction_box;
+// *out = N m, m the spline near 1/|N| for these axes; boxes: N over all boxes of the axes.
+kn_status kn_fit_exact_direction(kn_ctx *ctx, kn_spline *out, const kn_shell *shell, const kn_grid_axis axes[2],
+                                 const kn_direction_box *boxes);
+// Whether |N| is the same on both sides of interior knot k of variable var, but for one factor all along it.
+bool kn_lengths_continue(const kn_shell *shell, int var, int k);
+
 // ---- refine.c ----
 // Finds lines and degrees that meet the tolerance; fills normal, cut, normal_piece and the certificates.
 kn_status kn_refine_normal(kn_ctx *ctx, kn_shell *shell, int max_degree, int max_spans);

@@ -225,6 +225,10 @@ kn_status kn_shell_jacobian_bounds(kn_ctx *ctx, double *lo, double *hi, const kn
 {
     if (!(w0 <= w1) || !isfinite(w0) || !isfinite(w1))
         return kn_fail(ctx, KN_EDOMAIN, "shell: heights [%g, %g]", w0, w1);
+    if (shell->kind != KN_SHELL_NORMAL || shell->thickness.whole.coef || shell->nfields > 0) {
+        *lo = -INFINITY, *hi = INFINITY; // the quadratic below is that of S + w n
+        return KN_OK;
+    }
     const double w[2] = {w0, w1}, part = 0.02; // of the range: how far outside a bound may lie
     range wanted, found = {INFINITY, -INFINITY};
     kn_status status = sampled(ctx, &wanted, shell, w);

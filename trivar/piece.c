@@ -154,7 +154,7 @@ static kn_status find_normal(kn_ctx *ctx, kn_bezier *n, kn_shell_piece *p, bool 
 
 // ---- T ----
 
-// term[1] = (W n, 0): then T = (P + w W n) / W in homogeneous coordinates.
+// (W n, 0): then T = (P + w W n) / W in homogeneous coordinates. out may be n.
 static kn_status with_weight(kn_ctx *ctx, kn_bezier *out, const kn_bezier *n, const kn_bezier *s)
 {
     kn_bezier w = {0}, wn = {0}, term = {0};
@@ -169,20 +169,62 @@ static kn_status with_weight(kn_ctx *ctx, kn_bezier *out, const kn_bezier *n, co
     return status;
 }
 
-static kn_status find_surface(kn_ctx *ctx, kn_bezier *out, const kn_shell *s, const box *b)
+// A field over the box: of the cell that the box is, or of the span that it lies in, extended.
+static kn_status over_box(kn_ctx *ctx, kn_bezier *out, const kn_bezier *span, const kn_bezier *cell,
+                          const kn_shell *s, const box *b)
 {
     double lo[2], hi[2];
-    if (b->whole) return kn_bezier_copy(ctx, out, &s->cell[b->cell[0] * (s->nlines[1] - 1) + b->cell[1]]);
+    if (b->whole) return kn_bezier_copy(ctx, out, &cell[b->cell[0] * (s->nlines[1] - 1) + b->cell[1]]);
     to_local(lo, hi, b, s->knot, b->span);
-    return restricted(ctx, out, &s->span[b->span[0] * (s->nknots[1] - 1) + b->span[1]], lo, hi);
+    return restricted(ctx, out, &span[b->span[0] * (s->nknots[1] - 1) + b->span[1]], lo, hi);
+}
+
+// Appends f w^power.
+static kn_status add_term(kn_ctx *ctx, kn_shell_piece *p, kn_bezier *f, int power, bool homogeneous)
+{
+    kn_status status = KN_OK;
+    if (p->term[0].rational && !homogeneous) status = with_weight(ctx, f, f, &p->term[0]);
+    if (status != KN_OK) return status;
+    f->rational = p->term[0].rational;
+    p->power[p->nterms] = power;
+    kn_bezier_swap(&p->term[p->nterms++], f);
+    return KN_OK;
+}
+
+// h n, and what that makes of n's deviation.
+static kn_status thicken(kn_ctx *ctx, kn_shell_piece *p, kn_bezier *n, const kn_shell *s, const box *b)
+{
+    kn_bezier h = {0};
+    kn_status status = over_box(ctx, &h, s->thickness.span, s->thickness.cell, s, b);
+    if (status == KN_OK) status = kn_bezier_product(ctx, n, &h, n);
+    if (status == KN_OK) p->deviation *= kn_largest_vector(&h, 0, 1) * (1.0 + 0x1p-40); // and h's own rounding
+    kn_bezier_clear(ctx, &h);
+    return status;
+}
+
+static kn_status make_terms(kn_ctx *ctx, kn_shell_piece *p, kn_bezier *n, const kn_shell *s, const box *b)
+{
+    kn_bezier f = {0};
+    kn_status status = over_box(ctx, &p->term[0], s->span, s->cell, s, b);
+    p->nterms = 1;
+    if (status == KN_OK && n->coef && s->thickness.whole.coef) status = thicken(ctx, p, n, s, b);
+    if (status == KN_OK && n->coef) status = add_term(ctx, p, n, 1, false);
+    for (int k = 0; k < s->nfields && status == KN_OK; k++) {
+        const kn_shell_field *field = &s->field[k];
+        status = over_box(ctx, &f, field->span, field->cell, s, b);
+        if (status == KN_OK) status = add_term(ctx, p, &f, field->power, s->homogeneous);
+    }
+    kn_bezier_clear(ctx, &f);
+    return status;
 }
 
 kn_status kn_shell_piece_init(kn_ctx *ctx, kn_shell_piece *out, bool *fits, const kn_shell *shell, const int cell[2],
                               const double lo[2], const double hi[2], int degree_sum)
 {
-    kn_shell_piece p = {.nterms = 2, .power = {0, 1}};
+    kn_shell_piece p = {.exact = true, .normal = shell->certificate};
     kn_bezier n = {0};
     box b = {.whole = true, .plain = true, .inside = true};
+    if (!kn_shell_has_terms(shell)) return kn_fail(ctx, KN_EDOMAIN, "shell piece: the volume has knots in w");
     for (int v = 0; v < 2; v++) {
         if (!(lo[v] < hi[v]) || !isfinite(hi[v] - lo[v]))
             return kn_fail(ctx, KN_EDOMAIN, "shell piece: box [%g, %g] in variable %d", lo[v], hi[v], v);
@@ -191,13 +233,10 @@ kn_status kn_shell_piece_init(kn_ctx *ctx, kn_shell_piece *out, bool *fits, cons
             return kn_fail(ctx, KN_EDOMAIN, "shell piece: [%g, %g] of cell %d has a knot of the surface inside",
                            lo[v], hi[v], cell[v]);
     }
-    bool found = false;
-    kn_status status = find_normal(ctx, &n, &p, &found, shell, &b, degree_sum);
-    if (status == KN_OK && found) status = find_surface(ctx, &p.term[0], shell, &b);
-    if (status == KN_OK && found && shell->surface.rational)
-        status = with_weight(ctx, &p.term[1], &n, &p.term[0]);
-    else if (status == KN_OK && found)
-        kn_bezier_swap(&p.term[1], &n);
+    bool found = true;
+    kn_status status = KN_OK;
+    if (shell->kind == KN_SHELL_NORMAL) status = find_normal(ctx, &n, &p, &found, shell, &b, degree_sum);
+    if (status == KN_OK && found) status = make_terms(ctx, &p, &n, shell, &b);
     if (status == KN_OK) *fits = found;
     if (status == KN_OK && found) {
         *out = p;

@@ -19,8 +19,15 @@ kn_shell_options kn_shell_defaults(void)
 
 static void clear_pieces(kn_ctx *ctx, kn_bezier *pieces, size_t n)
 {
-    for (size_t i = 0; i < n; i++) kn_bezier_clear(ctx, &pieces[i]);
+    for (size_t i = 0; pieces && i < n; i++) kn_bezier_clear(ctx, &pieces[i]);
     kn_free(ctx, pieces);
+}
+
+static void clear_field(kn_ctx *ctx, const kn_shell *shell, kn_shell_field *f)
+{
+    kn_spline_clear(ctx, &f->whole);
+    clear_pieces(ctx, f->span, shell->nspans);
+    clear_pieces(ctx, f->cell, shell->ncells);
 }
 
 void kn_shell_destroy(kn_ctx *ctx, kn_shell *shell)
@@ -28,6 +35,9 @@ void kn_shell_destroy(kn_ctx *ctx, kn_shell *shell)
     if (!shell) return;
     kn_spline_clear(ctx, &shell->surface);
     kn_spline_clear(ctx, &shell->normal);
+    kn_spline_clear(ctx, &shell->volume);
+    clear_field(ctx, shell, &shell->thickness);
+    for (int k = 0; k < shell->nfields; k++) clear_field(ctx, shell, &shell->field[k]);
     for (size_t i = 0; i < shell->ndirections; i++) kn_direction_clear(ctx, &shell->direction[i]);
     kn_free(ctx, shell->direction);
     clear_pieces(ctx, shell->span, shell->nspans);
@@ -51,12 +61,23 @@ static kn_status check(kn_ctx *ctx, const kn_spline *s, const kn_shell_options *
                        kn_spline_dim(s));
     if (s->degree[0] < 1 || s->degree[1] < 1)
         return kn_fail(ctx, KN_EDOMAIN, "shell: degrees %d, %d: no surface", s->degree[0], s->degree[1]);
-    if (!(o->normal_tol > 0.0 && o->normal_tol < 0.5))
-        return kn_fail(ctx, KN_EDOMAIN, "shell: normal_tol %g", o->normal_tol);
-    if (o->max_degree < LEAST_DEGREE || o->max_spans < 1)
-        return kn_fail(ctx, KN_EDOMAIN, "shell: max_degree %d, max_spans %d", o->max_degree, o->max_spans);
+    if (o->max_degree < LEAST_DEGREE)
+        return kn_fail(ctx, KN_EDOMAIN, "shell: max_degree %d, at least %d", o->max_degree, (int)LEAST_DEGREE);
     if (o->max_degree > HIGHEST_DEGREE)
         return kn_fail(ctx, KN_ELIMIT, "shell: max_degree %d above %d", o->max_degree, (int)HIGHEST_DEGREE);
+    return KN_OK;
+}
+
+kn_status kn_shell_resolve(kn_ctx *ctx, kn_shell_options *out, const kn_shell_options *options)
+{
+    kn_shell_options o = options ? *options : kn_shell_defaults();
+    if (o.normal_tol == 0.0) o.normal_tol = default_tol;
+    if (o.max_degree == 0) o.max_degree = DEFAULT_DEGREE;
+    if (o.max_spans == 0) o.max_spans = DEFAULT_SPANS;
+    if (!(o.normal_tol > 0.0 && o.normal_tol < 0.5))
+        return kn_fail(ctx, KN_EDOMAIN, "shell: normal_tol %g", o.normal_tol);
+    if (o.max_spans < 1) return kn_fail(ctx, KN_EDOMAIN, "shell: max_spans %d", o.max_spans);
+    *out = o;
     return KN_OK;
 }
 
@@ -108,28 +129,60 @@ static kn_status set_lines(kn_ctx *ctx, kn_shell *s, const kn_shell_options *o)
 
 // ---- pieces ----
 
-static kn_status cut_surface(kn_ctx *ctx, kn_shell *s)
+static kn_status cut_field(kn_ctx *ctx, const kn_shell *s, kn_shell_field *f)
 {
-    kn_spline fine = {0};
-    kn_status status = kn_spline_to_bezier(ctx, &s->span, &s->nspans, &s->surface);
-    if (status == KN_OK) status = kn_spline_copy(ctx, &fine, &s->surface);
-    for (int v = 0; v < 2 && status == KN_OK; v++) {
-        kn_mark mark = kn_scratch_mark(ctx);
-        double *more = kn_scratch(ctx, (size_t)s->nlines[v], sizeof *more);
-        int n = 0;
-        status = more ? KN_OK : KN_ENOMEM;
-        for (int i = 0, k = 0; i < s->nlines[v] && more; i++)
-            if (k < s->nknots[v] && s->line[v][i] == s->knot[v][k])
-                k++;
-            else
-                more[n++] = s->line[v][i];
-        if (status == KN_OK && n > 0) status = kn_spline_insert_knots(ctx, &fine, &fine, v, more, n);
-        kn_scratch_release(ctx, mark);
-    }
-    if (status == KN_OK) status = kn_spline_to_bezier(ctx, &s->cell, &s->ncells, &fine);
-    kn_spline_clear(ctx, &fine);
+    return f->whole.coef ? kn_shell_cut(ctx, &f->span, &f->cell, s, &f->whole) : KN_OK;
+}
+
+static kn_status cut_all(kn_ctx *ctx, kn_shell *s)
+{
+    size_t spans = (size_t)(s->nknots[0] - 1) * (size_t)(s->nknots[1] - 1);
+    size_t cells = (size_t)(s->nlines[0] - 1) * (size_t)(s->nlines[1] - 1);
+    kn_status status = kn_shell_cut(ctx, &s->span, &s->cell, s, &s->surface);
+    if (status != KN_OK) return status;
+    s->nspans = spans, s->ncells = cells;
+    status = cut_field(ctx, s, &s->thickness);
+    for (int k = 0; k < s->nfields && status == KN_OK; k++) status = cut_field(ctx, s, &s->field[k]);
     return status;
 }
+
+static kn_status find_closed(kn_ctx *ctx, kn_shell *s)
+{
+    kn_status status = KN_OK;
+    for (int v = 0; v < 2; v++) {
+        bool meet = true;
+        if (s->volume.coef) {
+            status = kn_shell_ends_meet(ctx, &meet, &s->volume, v);
+        } else {
+            status = kn_shell_ends_meet(ctx, &meet, &s->surface, v);
+            if (status == KN_OK && meet && s->thickness.whole.coef)
+                status = kn_shell_ends_meet(ctx, &meet, &s->thickness.whole, v);
+            for (int k = 0; k < s->nfields && status == KN_OK && meet; k++)
+                status = kn_shell_ends_meet(ctx, &meet, &s->field[k].whole, v);
+        }
+        if (status != KN_OK) return status;
+        s->closed[v] = meet;
+    }
+    return KN_OK;
+}
+
+kn_status kn_shell_set_grid(kn_ctx *ctx, kn_shell *shell, const kn_shell_options *options)
+{
+    kn_status status = set_lines(ctx, shell, options);
+    if (status == KN_OK) status = find_closed(ctx, shell);
+    if (status == KN_OK) status = cut_all(ctx, shell);
+    if (status != KN_OK || shell->kind == KN_SHELL_NORMAL) return status;
+    for (int v = 0; v < 2 && status == KN_OK; v++) {
+        shell->cut[v] = kn_alloc(ctx, (size_t)shell->nlines[v], sizeof *shell->cut[v]);
+        if (!shell->cut[v]) return KN_ENOMEM;
+        memcpy(shell->cut[v], shell->line[v], (size_t)shell->nlines[v] * sizeof *shell->cut[v]);
+        shell->ncuts[v] = shell->nlines[v];
+    }
+    shell->certificate = (kn_normal_certificate){.certified = true};
+    return KN_OK;
+}
+
+// ---- directions ----
 
 // The largest vector and the largest weight of the control points that act on span i, j of S.
 static void find_acting(double acting[2], const kn_shell *s, size_t i, size_t j)
@@ -174,29 +227,6 @@ static kn_status make_directions(kn_ctx *ctx, kn_shell *s)
     return KN_OK;
 }
 
-static kn_status find_closed(kn_ctx *ctx, kn_shell *shell)
-{
-    const kn_spline *s = &shell->surface;
-    size_t count = kn_spline_count(s);
-    double lo[3], hi[3];
-    kn_status status = kn_spline_box(ctx, lo, hi, s);
-    if (status != KN_OK) return status;
-    double size = fmax(hi[0] - lo[0], fmax(hi[1] - lo[1], hi[2] - lo[2]));
-    for (int v = 0; v < 2; v++) {
-        size_t along = (size_t)s->count[1 - v], step = v == 0 ? 1 : (size_t)s->count[1],
-               across = v == 0 ? (count - (size_t)s->count[1]) : (size_t)s->count[1] - 1;
-        double worst = 0.0;
-        for (size_t k = 0; k < along * 3; k++) {
-            size_t a = k % along * step, b = a + across, c = k / along * count;
-            double wa = s->rational ? s->coef[3 * count + a] : 1.0, wb = s->rational ? s->coef[3 * count + b] : 1.0;
-            worst = fmax(worst, fabs(s->coef[c + a] / wa - s->coef[c + b] / wb));
-            worst = fmax(worst, size * fabs(wa - wb) / fmax(wa, wb));
-        }
-        shell->closed[v] = worst <= 1e-12 * size;
-    }
-    return KN_OK;
-}
-
 // The certificate multiplies n with the direction: their degrees together stay within KN_MAX_DEGREE.
 static kn_status limit_degree(kn_ctx *ctx, int *max_degree, const kn_shell *s)
 {
@@ -213,22 +243,21 @@ static kn_status limit_degree(kn_ctx *ctx, int *max_degree, const kn_shell *s)
 
 kn_status kn_shell_create(kn_ctx *ctx, kn_shell **out, const kn_spline *surface, const kn_shell_options *options)
 {
-    kn_shell_options o = options ? *options : kn_shell_defaults();
-    if (o.normal_tol == 0.0) o.normal_tol = default_tol;
-    if (o.max_degree == 0) o.max_degree = DEFAULT_DEGREE;
-    if (o.max_spans == 0) o.max_spans = DEFAULT_SPANS;
-    kn_status status = check(ctx, surface, &o);
+    kn_shell_options o;
+    kn_status status = kn_shell_resolve(ctx, &o, options);
+    if (status == KN_OK) status = check(ctx, surface, &o);
     if (status != KN_OK) return status;
     kn_shell *s = kn_alloc_zero(ctx, 1, sizeof *s);
     if (!s) return KN_ENOMEM;
     s->normal_tol = o.normal_tol;
     status = kn_spline_copy(ctx, &s->surface, surface);
-    if (status == KN_OK) status = set_lines(ctx, s, &o);
-    if (status == KN_OK) status = find_closed(ctx, s);
-    if (status == KN_OK) status = cut_surface(ctx, s);
-    if (status == KN_OK) status = make_directions(ctx, s);
-    if (status == KN_OK) status = limit_degree(ctx, &o.max_degree, s);
-    if (status == KN_OK) status = kn_refine_normal(ctx, s, o.max_degree, o.max_spans);
+    if (status == KN_OK) status = kn_shell_take_fields(ctx, s, &o);
+    if (status == KN_OK) status = kn_shell_set_grid(ctx, s, &o);
+    if (status == KN_OK && s->kind == KN_SHELL_NORMAL) {
+        status = make_directions(ctx, s);
+        if (status == KN_OK) status = limit_degree(ctx, &o.max_degree, s);
+        if (status == KN_OK) status = kn_refine_normal(ctx, s, o.max_degree, o.max_spans);
+    }
     if (status == KN_OK)
         *out = s;
     else
@@ -245,7 +274,7 @@ const kn_spline *kn_shell_surface(const kn_shell *shell)
 
 const kn_spline *kn_shell_normal(const kn_shell *shell)
 {
-    return &shell->normal;
+    return shell->kind == KN_SHELL_DIRECTION ? &shell->field[0].whole : &shell->normal;
 }
 
 kn_normal_certificate kn_shell_certificate(const kn_shell *shell)
@@ -261,4 +290,10 @@ void kn_shell_cells(const kn_shell *shell, int cells[2])
 void kn_shell_closed(const kn_shell *shell, bool closed[2])
 {
     for (int v = 0; v < 2; v++) closed[v] = shell->closed[v];
+}
+
+void kn_shell_heights(const kn_shell *shell, double w[2])
+{
+    w[0] = -INFINITY, w[1] = INFINITY;
+    if (shell->volume.coef) kn_spline_domain(&shell->volume, 2, &w[0], &w[1]);
 }

@@ -122,13 +122,13 @@ KN_API KN_CHECKED kn_status kn_bezier_compose_outer_sensitivity(kn_ctx *ctx, kn_
 KN_API KN_CHECKED kn_status kn_bezier_compose_inner_sensitivity(kn_ctx *ctx, kn_bezier *out, const kn_bezier *outer,
                                                                 const kn_bezier *inner, int comp, const int *index);
 
-// out = T(D(r,t)) by symbolic composition of each term of the piece, sum_k term[k](u,v) w^k: the reference for the
+// out = T(D(r,t)) by symbolic composition of each term of the piece, sum_k term[k](u,v) w^power[k]: the reference for the
 // matrix below.
 // in:     tile: D, any number of variables, three polynomial components (u, v, w), u and v in box coordinates, w in
 //         length units.
 // out:    initialised, overwritten, may be tile; rational if term[0] is.
-//         out.degree[d] = tile.degree[d] * max over k of (term[k]'s degrees summed, + k).
-// fails:  KN_EDOMAIN shapes, KN_ELIMIT degree > KN_MAX_DEGREE, KN_ENOMEM; out unchanged.
+//         out.degree[d] = tile.degree[d] * max over k of (term[k]'s degrees summed, + power[k]).
+// fails:  KN_EDOMAIN shapes, a negative power, KN_ELIMIT degree > KN_MAX_DEGREE, KN_ENOMEM; out unchanged.
 // error:  as kn_bezier_compose.
 KN_API KN_CHECKED kn_status kn_compose_piece(kn_ctx *ctx, kn_bezier *out, const kn_shell_piece *piece,
                                              const kn_bezier *tile);

@@ -27,16 +27,17 @@ typedef enum kn_normal_method {
     KN_NORMAL_EXACT_DIRECTION, // N m, m a spline near 1/|N|: the direction is exact, the degree that of N plus m's
 } kn_normal_method;
 
-// Zero means the default in every field. Splines are copied; their variables are S's own, over S's domain, and their
-// knots become knots of S (inserted exactly), at which cell lines must lie.
+// Zero means the default in every field. Splines are copied; their variables are S's own, over S's domain (bit for
+// bit), and their knots become knots of S (inserted exactly; one within rounding of a knot of S is that knot), at
+// which cell lines must lie. Everything of them is exact: T = S + w h n + w^k psi, or S + w h d + w^k psi.
 typedef struct kn_shell_options {
     kn_normal_method normal;
-    const kn_spline *direction;  // dim 3, polynomial: takes the place of n, any length. NULL: n
+    const kn_spline *direction;  // d, dim 3, polynomial: takes the place of n, any length. NULL: n
     const kn_spline *thickness;  // dim 1, polynomial, positive: h, w counts in thicknesses. NULL: 1
     const kn_spline *attraction; // dim 3, polynomial: psi. NULL: none
     int attraction_power;        // k >= 1; 0: 2
     // Cell lines in S's own parameters, increasing, from one end of the domain to the other. Every interior knot of S
-    // must be among them (KN_EDOMAIN otherwise). NULL: the knots of S.
+    // must be among them (KN_EDOMAIN otherwise). NULL: the knots of S, those of the fields above among them.
     const double *lines[2];
     int nlines[2];
     double normal_tol; // the largest length error and angle error allowed; 0: 1e-6
@@ -54,9 +55,10 @@ KN_API kn_shell_options kn_shell_defaults(void);
 // there. out:    *out is the caller's: kn_shell_destroy. A shell is never written to afterwards: any number of
 // threads may
 //         use it, each with a context of its own.
-// fails:  KN_EDOMAIN (shapes, options, lines, a surface of zero area: the message says which), KN_EUNDEFINED (no
-// normal
-//         at some point: the message names it), KN_EUNDECIDED (normal_tol not met within max_spans, or below about
+//         With a direction of its own S needs no normal, and is not asked for one.
+// fails:  KN_EDOMAIN (shapes, options, lines, fields over another domain, a thickness that is not certainly positive,
+//         a surface of zero area: the message says which), KN_EUNDEFINED (no normal at some point: the message names
+//         it), KN_EUNDECIDED (normal_tol not met within max_spans, or below about
 //         1e-12, what rounding leaves), KN_ELIMIT (more cells than max_spans, max_degree above 12, a degree p of S
 //         with 2 p - 1, of a rational S 3 p - 1, above KN_MAX_DEGREE - 3: n and S_u x S_v are multiplied), KN_ENOMEM.
 // error:  kn_shell_certificate bounds the whole of it.
@@ -66,19 +68,26 @@ KN_API KN_CHECKED kn_status kn_shell_create(kn_ctx *ctx, kn_shell **out, const k
                                             const kn_shell_options *options);
 KN_API void kn_shell_destroy(kn_ctx *ctx, kn_shell *shell);
 
+// S, with the knots of the fields inserted; of a volume its face at w = 0.
 KN_API const kn_spline *kn_shell_surface(const kn_shell *shell);
+// n, without the thickness. With a direction in its place: h d. Of a volume an empty spline.
 KN_API const kn_spline *kn_shell_normal(const kn_shell *shell);
+// Of n. Errors 0, certified, where there is no n: a direction and a volume are what they are.
 KN_API kn_normal_certificate kn_shell_certificate(const kn_shell *shell);
 KN_API void kn_shell_cells(const kn_shell *shell, int cells[2]);
-// closed[d]: the two edges across variable d coincide, so that cell -1 is the last cell.
+// closed[d]: the two edges across variable d coincide, and so do the fields (the faces of a volume), so that cell -1
+// is the last cell.
 KN_API void kn_shell_closed(const kn_shell *shell, bool closed[2]);
 
-// T at (u,v) in S's parameters and signed height w in S's length unit. jacobian, when not NULL, receives the 3 x 3
-// matrix dT/d(u,v,w), row by row. Beyond the domain the end pieces of S and of n go on.
-// fails: KN_EDOMAIN (not finite), KN_ENOMEM; outputs unchanged. error: as kn_spline_derivatives, of S plus |w| of n.
+// T at (u,v) in S's parameters and signed height w (in S's length unit, or what thickness, direction and volume make
+// of it). jacobian, when not NULL, receives the 3 x 3 matrix dT/d(u,v,w), row by row. Beyond the domain the end pieces
+// of S, of n and of the fields go on.
+// fails: KN_EDOMAIN (not finite), KN_ENOMEM; outputs unchanged. error: as kn_spline_derivatives, of S plus |w|^k of
+//        each field; of a volume as that of the volume.
 KN_API KN_CHECKED kn_status kn_shell_eval(kn_ctx *ctx, double point[3], double *jacobian, const kn_shell *shell,
                                           double u, double v, double w);
-// The true unit normal of S at (u,v), by direct evaluation (poles divided out), without the fitted spline.
+// The true unit normal of S at (u,v), by direct evaluation (poles divided out, but not where a direction or a volume
+// takes the place of n), without the fitted spline.
 // fails: KN_EDOMAIN (not finite), KN_EUNDEFINED (none there, which can happen beyond the domain alone); unchanged.
 KN_API KN_CHECKED kn_status kn_shell_unit_normal(kn_ctx *ctx, double normal[3], const kn_shell *shell, double u,
                                                  double v);
@@ -95,13 +104,24 @@ KN_API KN_CHECKED kn_status kn_shell_jacobian_bounds(kn_ctx *ctx, double *lo, do
 // ---- shells of other kinds ----
 
 // T = the volume itself (three variables, dim 3, polynomial or rational; copied): ruled between two surfaces,
-// extruded, swept, revolved (construct.h), or read from a file. w runs over the volume's third domain; S is its face
-// at the lower end. Of the options the cell lines alone count.
+// extruded, swept, revolved (construct.h), or read from a file. w counts from the lower end of the volume's third
+// domain [a,b]: T(u,v,w) = volume(u, v, a + w), 0 <= w <= b - a; beyond that the end pieces go on. S is its face at
+// w = 0, which may be degenerate. Of the options the cell lines and max_spans alone count.
+// fails: as kn_shell_create for shapes and lines; KN_ELIMIT a degree in w of KN_SHELL_TERMS or more; KN_ENOMEM.
+//        A volume with knots in w has no pieces (kn_shell_piece_init: KN_EDOMAIN); all else works.
+// error: pieces are in powers of w: coefficient k is off by gamma(3 m + k + 4) C(m,k) 2^k max |coefficient| / (b - a)^k
+//        for degree m in w. kn_shell_eval and kn_shell_volume use the volume as it is.
 KN_API KN_CHECKED kn_status kn_shell_from_volume(kn_ctx *ctx, kn_shell **out, const kn_spline *volume,
                                                  const kn_shell_options *options);
-// The heights for which T is defined: the third domain of a volume, and -INFINITY, INFINITY otherwise.
+// The heights for which T is defined: 0 and b - a of a volume, and -INFINITY, INFINITY otherwise.
 KN_API void kn_shell_heights(const kn_shell *shell, double w[2]);
-// out = T over the whole domain and w in [w0,w1], w0 < w1, as one trivariate spline in (u, v, w).
+// out = T over the whole domain and w in [w0,w1] as one trivariate spline in (u, v, w), polynomial or rational.
+// out:    initialised, overwritten. The degree in w is the largest power of w in T (1 for n alone); in u and v the
+//         largest of S, h n and the fields, each plus that of the weight when S is rational. Knots: those of all.
+//         Of a volume the volume itself, restricted.
+// fails:  KN_EDOMAIN (not w0 < w1, not finite), KN_ELIMIT degrees, coefficients; KN_ENOMEM; out unchanged.
+// error:  kn_spline_product (h n, and the weight's products), kn_spline_make_compatible, and gamma(k + 4) for w^k in
+//         Bernstein form, of the sums in absolute values. Of a volume kn_spline_restrict.
 KN_API KN_CHECKED kn_status kn_shell_volume(kn_ctx *ctx, kn_spline *out, const kn_shell *shell, double w0, double w1);
 
 // The pieces of S between its creases: knots at which S is only C0 and the normals of the two sides differ by more
@@ -128,16 +148,17 @@ KN_API void kn_shell_edges(const kn_shell *shell, kn_shell_edge edges[2][2]);
 // ---- pieces ----
 
 // T as one polynomial or rational piece over a box of (u,v): T = sum_t term[t](x) w^power[t], x in [0,1]^2 over the
-// box, w in the shell's own unit; power[0] = 0. term[t] has 3 components, or 4 homogeneous ones when T is rational.
-enum { KN_SHELL_TERMS = 2 };
+// box, w in the shell's own unit. term[0] is S, power[0] = 0; then h n with power 1, where there is n, and the fields
+// (powers may repeat). term[t] has 3 components, or 4 homogeneous ones when T is rational.
+enum { KN_SHELL_TERMS = 16 };
 typedef struct kn_shell_piece {
     int nterms;
     int power[KN_SHELL_TERMS];
     kn_bezier term[KN_SHELL_TERMS];
-    bool exact; // n is the shell's own spline; false: a polynomial that stands in for it on this box
-    kn_normal_certificate normal; // of the n in use, over this box
-    // Bound of |n in use - the shell's n| over the part of the box inside the domain; 0 when exact. Beyond the domain
-    // the shell's n, extended, may drift off any normal, and `normal` alone tells what n in use is.
+    bool exact; // n is the shell's own spline, or there is none; false: a polynomial stands in for it on this box
+    kn_normal_certificate normal; // of the n in use, over this box; as kn_shell_certificate where there is none
+    // Bound of |h n in use - the shell's h n| over the part of the box inside the domain; 0 when exact. Beyond the
+    // domain the shell's n, extended, may drift off any normal, and `normal` alone tells what n in use is.
     double deviation;
 } kn_shell_piece;
 
@@ -151,7 +172,9 @@ typedef struct kn_shell_piece {
 // normal_tol, and else get a stand-in. A box wholly beyond the seam of a closed direction is taken from the other
 // end. out:   overwritten, not cleared: kn_shell_piece_clear. Neighbouring whole cells that are exact share the
 //        coefficients of their common edge bit for bit.
-// fails: KN_EDOMAIN (lo >= hi, not finite, a knot of S inside), KN_ENOMEM; out and *fits unchanged.
+// degree_sum is for n alone: h n has the degrees of h more.
+// fails: KN_EDOMAIN (lo >= hi, not finite, a knot of S inside, a volume with knots in w), KN_ENOMEM; out and *fits
+//        unchanged.
 // cost:  exact: some us; a stand-in of degrees (5,5) on a bicubic: about 100 us.
 KN_API KN_CHECKED kn_status kn_shell_piece_init(kn_ctx *ctx, kn_shell_piece *out, bool *fits, const kn_shell *shell,
                                                 const int cell[2], const double lo[2], const double hi[2],
@@ -160,29 +183,53 @@ KN_API void kn_shell_piece_clear(kn_ctx *ctx, kn_shell_piece *piece);
 
 // ---- the inverse ----
 
+// A shell cut into pieces on which Newton's method is safe, with their boxes in space: made once, asked often. It holds
+// all that it needs of the shell, and is never written to: any number of threads may ask, each with a context of its
+// own.
+typedef struct kn_shell_inverse kn_shell_inverse;
+
+// For places (u,v,w) of the whole domain with w in [w0,w1].
+// out:    *out is the caller's: kn_shell_inverse_destroy.
+// fails:  KN_EDOMAIN (not w0 < w1, not finite, or beyond kn_shell_heights), KN_ELIMIT (degrees of T above KN_MAX_DEGREE),
+//         KN_EUNDEFINED (weights that are not positive), KN_ENOMEM, KN_ECANCELLED.
+// cost:   about 0.3 ms for each piece, of which a knot interval of n gives one to four, and about 100 near a pole;
+//         memory: the coefficients of the pieces.
+KN_API KN_CHECKED kn_status kn_shell_inverse_create(kn_ctx *ctx, kn_shell_inverse **out, const kn_shell *shell,
+                                                    double w0, double w1);
+KN_API void kn_shell_inverse_destroy(kn_ctx *ctx, kn_shell_inverse *inverse);
+
 // A place (u,v,w) with T(u,v,w) = point: S(u,v) is a support position of the point (definitions 1 and 2 of the
 // source).
 typedef struct kn_support {
-    double uvw[3];
+    double uvw[3];   // inside the domain
     double error[3]; // the true place is within so much of uvw in each parameter
-    bool certified;  // one place, and no other, is proved to lie in that box; false: nothing more is known
+    bool certified;  // one place, and no other, is proved to lie in that box; false: it may hold none, one or many
+    bool at_edge;    // the box reaches an end of the domain, of [w0,w1], or both: the place may lie beyond by the error
 } kn_support;
-// All support positions of a point with w in [w0,w1], or all that there are within the work limit.
-// out: *supports, ordered by |w|, kn_free; *complete: no other exists.
+// All support positions of a point with w in the inverse's [w0,w1].
+// out:    *supports: *n of them, ordered by |w|, for kn_free. Every place lies in the box of one of them. Where T folds
+//         (its Jacobian is singular) they are not certified: one box for each group of places that touch. *complete: no
+//         box is wider than its fold makes it; false: places form a continuum (the centre of a sphere), or the work
+//         limit was met. u and u + period are one place, and so is a pole, whatever u: its error[0] spans the domain.
+// fails:  KN_EDOMAIN (not finite), KN_ENOMEM, KN_ECANCELLED; outputs unchanged.
+// error:  none: boxes are certified of T itself, with the rounding of its coefficients inside (docs/numerics.md).
+// cost:   see docs/bench.md; at most 16384 boxes are looked at, and 512 at one time.
+// source: as kn_solve_zeros.
 KN_API KN_CHECKED kn_status kn_shell_support(kn_ctx *ctx, kn_support **supports, size_t *n, bool *complete,
-                                             const kn_shell *shell, const double point[3], double w0, double w1);
+                                             const kn_shell_inverse *inverse, const double point[3]);
 typedef enum kn_side {
-    KN_SIDE_NONE,
-    KN_SIDE_ON,
-    KN_SIDE_ABOVE,
-    KN_SIDE_BELOW,
-    KN_SIDE_BOTH,
+    KN_SIDE_NONE,  // certified: no support position with w in [w0,w1]
+    KN_SIDE_ON,    // w = 0 within its error, whatever else
+    KN_SIDE_ABOVE, // w > 0
+    KN_SIDE_BELOW, // w < 0
+    KN_SIDE_BOTH,  // of different support positions
     KN_SIDE_UNDECIDED
 } kn_side;
-// Whether the point is above the base, below it, on it, both (of different support positions), or none of them within
-// [w0,w1].
-KN_API KN_CHECKED kn_status kn_shell_side(kn_ctx *ctx, kn_side *out, const kn_shell *shell, const double point[3],
-                                          double w0, double w1);
+// Whether the point is above the base, below it, on it, both, or none of them within [w0,w1]: definitions 1 and 2.
+// Places at an edge count as places.
+// fails, error, cost: as kn_shell_support. A place that is not certified and would change the answer makes it UNDECIDED.
+KN_API KN_CHECKED kn_status kn_shell_side(kn_ctx *ctx, kn_side *out, const kn_shell_inverse *inverse,
+                                          const double point[3]);
 
 // ---- normals of mapped geometry ----
 

@@ -193,7 +193,7 @@ static void counts_multiply_adds(void **state)
 // The piece of a shell by hand: S and n of their own degrees, T = S + w n. Out of the unit cell too.
 static kn_shell_piece make_piece(kn_ctx *ctx, test_rng *rng, bool rational, int most)
 {
-    kn_shell_piece piece = {.nterms = 2, .exact = true};
+    kn_shell_piece piece = {.nterms = 2, .power = {0, test_int(rng, 1, 3)}, .exact = true};
     random_piece(ctx, &piece.term[0], rng, 2, 3, rational, most, -2, 2);
     random_piece(ctx, &piece.term[1], rng, 2, 3, false, most, -1, 1);
     if (!rational) return piece;
@@ -219,7 +219,7 @@ static void eval_piece(long double *out, long double *size, const kn_shell_piece
     long double sum[4] = {0}, most[4] = {0};
     for (int k = 0; k < 2; k++) {
         kn_bezier term = piece->term[k];
-        long double value[4] = {0}, terms[4] = {0}, f = k == 0 ? 1 : at[2];
+        long double value[4] = {0}, terms[4] = {0}, f = powl(at[2], piece->power[k]);
         term.rational = false;
         long_eval(value, terms, &term, at);
         for (int c = 0; c < term.ncomp; c++) sum[c] += f * value[c], most[c] += fabsl(f) * terms[c];
@@ -242,7 +242,7 @@ static void piece_matches_direct_evaluation(void **state)
         int most = 1 + run % 5;
         kn_shell_piece piece = make_piece(ctx, &rng, run % 3 == 2, most);
         int r0 = piece.term[0].degree[0] + piece.term[0].degree[1];
-        int r1 = piece.term[1].degree[0] + piece.term[1].degree[1] + 1;
+        int r1 = piece.term[1].degree[0] + piece.term[1].degree[1] + piece.power[1];
         int need = r0 > r1 ? r0 : r1, fit = KN_MAX_DEGREE / need;
         kn_bezier tile = {0}, out = {0};
         random_piece(ctx, &tile, &rng, 2, 3, false, fit < most ? fit : most, 0, 1);
@@ -287,7 +287,7 @@ static void failures(void **state)
     assert_int_equal(kn_bezier_compose(ctx, &out, &many, &weighted), KN_ELIMIT); // and a weight
     assert_null(out.coef);
 
-    kn_shell_piece piece = {.nterms = 2, .term = {surface, surface}};
+    kn_shell_piece piece = {.nterms = 2, .power = {0, 1}, .term = {surface, surface}};
     assert_int_equal(kn_compose_piece(ctx, &out, &piece, &plane), KN_EDOMAIN);
     kn_bezier rational = {.nvars = 2, .ncomp = 4, .rational = true, .degree = {1, 1}, .coef = c};
     assert_int_equal(kn_compose_piece(ctx, &out, &piece, &rational), KN_EDOMAIN);
@@ -297,7 +297,7 @@ static void failures(void **state)
     piece.nterms = 0;
     assert_int_equal(kn_compose_piece(ctx, &out, &piece, &tile), KN_EDOMAIN);
     tile.degree[0] = 9; // (3 + 3 + 1) 9 = 63
-    piece = (kn_shell_piece){.nterms = 2, .term = {surface, surface}};
+    piece = (kn_shell_piece){.nterms = 2, .power = {0, 1}, .term = {surface, surface}};
     assert_int_equal(kn_compose_piece(ctx, &out, &piece, &tile), KN_ELIMIT);
     assert_null(out.coef);
     test_ctx_end(ctx, &memory);
@@ -321,6 +321,7 @@ static kn_status piece_call(kn_ctx *ctx, void *user)
     double s[12] = {0, 0, 1, 1, 0, 1, 0, 1, 0, 0, 0, 1}, n[3] = {0, 0, 1}, d[6] = {0, 1, 0, 1, 0, 1};
     (void)user;
     kn_shell_piece piece = {.nterms = 2,
+                            .power = {0, 1},
                             .term = {{.nvars = 2, .ncomp = 3, .degree = {1, 1}, .coef = s},
                                      {.nvars = 2, .ncomp = 3, .degree = {0, 0}, .coef = n}}};
     kn_bezier tile = {.nvars = 2, .ncomp = 3, .degree = {1, 0}, .coef = d}, out = {0};

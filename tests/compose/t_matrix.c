@@ -27,7 +27,7 @@ static void equals_symbolic(void **state)
     for (int run = 0; run < test_scale(12); run++) {
         kn_bezier tile = {0}, out = {0};
         random_tile(ctx, &tile, &rng, test_int(&rng, 1, 3), test_int(&rng, 1, 3), 0, 1);
-        kn_shell_piece piece = {.nterms = 2};
+        kn_shell_piece piece = {.nterms = 2, .power = {0, 1}};
         kn_compose_matrix m[2];
         for (int k = 0; k < 2; k++) {
             const int degree[2] = {test_int(&rng, 1, 3), test_int(&rng, 1, 3)};

@@ -59,7 +59,7 @@ static kn_status tile_patches(feed *f, int call, operands *o)
     if (!is_small(o->b.degree, o->b.nvars, o->a.degree, o->a.nvars)) return KN_OK;
     if (!is_small(o->c.degree, o->c.nvars, o->a.degree, o->a.nvars)) return KN_OK;
     kn_bezier out = {0};
-    kn_shell_piece piece = {.nterms = feed_wild(f, 0, 2), .term = {o->b, o->c}};
+    kn_shell_piece piece = {.nterms = feed_wild(f, 0, 2), .power = {0, feed_wild(f, 0, 3)}, .term = {o->b, o->c}};
     kn_status status = kn_compose_piece(f->ctx, &out, &piece, &o->a);
     kn_bezier_clear(f->ctx, &out);
     return status;
