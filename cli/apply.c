@@ -6,109 +6,26 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum {
-    TILE,
-    TILE_CELL,
-    COUNT,
-    SIZE,
-    HEIGHT,
-    OFFSET,
-    ROTATE,
-    NORMAL,
-    NORMAL_TOL,
-    MAX_DEGREE,
-    TOL,
-    UNIT,
-    THREADS,
-    DRY_RUN,
-    JSON,
-    QUIET,
-    SYMBOLIC,
-    OUTPUT,
-    HELP
+enum { MAX_DEGREE = CLI_JOB_OPTIONS, TOL, CELLS_TOL, DRY_RUN, SYMBOLIC, OUTPUT, HELP, END };
+static const cli_option options[END - CLI_JOB_OPTIONS] = {
+    [MAX_DEGREE - CLI_JOB_OPTIONS] = {"max-degree", 0, true}, [TOL - CLI_JOB_OPTIONS] = {"tol", 0, true},
+    [CELLS_TOL - CLI_JOB_OPTIONS] = {"cells-tol", 0, true},   [DRY_RUN - CLI_JOB_OPTIONS] = {"dry-run", 'n', false},
+    [SYMBOLIC - CLI_JOB_OPTIONS] = {"symbolic", 0, false},    [OUTPUT - CLI_JOB_OPTIONS] = {"output", 'o', true},
+    [HELP - CLI_JOB_OPTIONS] = {"help", 'h', false},
 };
-static const cli_option options[] = {
-    [TILE] = {"tile", 't', true},
-    [TILE_CELL] = {"tile-cell", 0, true},
-    [COUNT] = {"count", 'c', true},
-    [SIZE] = {"size", 's', true},
-    [HEIGHT] = {"height", 0, true},
-    [OFFSET] = {"offset", 0, true},
-    [ROTATE] = {"rotate", 0, true},
-    [NORMAL] = {"normal", 0, true},
-    [NORMAL_TOL] = {"normal-tol", 0, true},
-    [MAX_DEGREE] = {"max-degree", 0, true},
-    [TOL] = {"tol", 0, true},
-    [UNIT] = {"unit", 0, true},
-    [THREADS] = {"threads", 'j', true},
-    [DRY_RUN] = {"dry-run", 'n', false},
-    [JSON] = {"json", 0, false},
-    [QUIET] = {"quiet", 'q', false},
-    [SYMBOLIC] = {"symbolic", 0, false},
-    [OUTPUT] = {"output", 'o', true},
-    [HELP] = {"help", 'h', false},
-};
-
-static bool positive(const char *name, double value)
-{
-    if (value > 0) return true;
-    cli_error("%s: expected a number above 0, got %g", name, value);
-    return false;
-}
-
-static bool set_normal(const char *text)
-{
-    if (strcmp(text, "fitted") == 0) return true;
-    cli_error("--normal: this version has 'fitted' alone, got '%s'", text);
-    return false;
-}
-
-static bool set_cell(cli_apply *a, const char *text)
-{
-    int n = cli_list("--tile-cell", text, a->cell, 4);
-    if (n == 4 && a->cell[0] < a->cell[2] && a->cell[1] < a->cell[3]) return a->has_cell = true;
-    if (n > 0) cli_error("--tile-cell: expected U0,V0,U1,V1 with U0 < U1 and V0 < V1, got '%s'", text);
-    return false;
-}
-
-static bool set_height(cli_apply *a, const char *text)
-{
-    if (!cli_double("--height", text, &a->job.height)) return false;
-    if (a->job.height != 0) return true;
-    cli_error("--height: a texture of height 0 is flat; leave it out for the tile's own proportions");
-    return false;
-}
 
 static bool set_option(cli_apply *a, int option, const char *value)
 {
-    kn_job_options *job = &a->job;
-    double number;
-    if ((option == COUNT || option == SIZE) && a->recipe_cells) {
-        job->count[0] = job->count[1] = 0;
-        job->size[0] = job->size[1] = 0;
-        a->recipe_cells = false;
-    }
+    cli_job *job = &a->job;
+    if (option < CLI_JOB_OPTIONS) return cli_job_set(job, option, value);
     switch (option) {
-    case TILE: a->tile = value; return true;
-    case TILE_CELL: return set_cell(a, value);
-    case COUNT: return cli_int_pair("--count", value, 1, CLI_MAX_COUNT, job->count);
-    case SIZE:
-        return cli_double_pair("--size", value, job->size) && positive("--size", job->size[0]) &&
-               positive("--size", job->size[1]);
-    case HEIGHT: return set_height(a, value);
-    case OFFSET: return cli_double("--offset", value, &job->offset);
-    case ROTATE: return cli_double("--rotate", value, &number) && cli_set_rotation("--rotate", number, job);
-    case NORMAL: return set_normal(value);
-    case NORMAL_TOL:
-        return cli_double("--normal-tol", value, &job->normal_tol) && positive("--normal-tol", job->normal_tol);
-    case MAX_DEGREE: return cli_set_max_degree("--max-degree", value, job);
-    case TOL: return cli_double("--tol", value, &job->mesh_tol) && positive("--tol", job->mesh_tol);
-    case UNIT: return cli_set_unit("--unit", value, &a->unit_mm);
-    case THREADS: return cli_int("--threads", value, 1, 1024, &a->threads);
+    case MAX_DEGREE: return cli_set_max_degree("--max-degree", value, &job->options);
+    case TOL: return cli_length_of("--tol", value, &job->mesh_tol) && cli_above_zero("--tol", job->mesh_tol.value);
+    case CELLS_TOL:
+        return cli_length_of("--cells-tol", value, &job->cells_tol) &&
+               cli_above_zero("--cells-tol", job->cells_tol.value);
     case DRY_RUN: return a->dry_run = true;
-    case JSON: return a->json = true;
-    case QUIET: return a->quiet = true;
-    case SYMBOLIC: return job->symbolic = true;
+    case SYMBOLIC: return job->options.symbolic = true;
     case OUTPUT: return cli_add_output(a, "-o", value);
     default: return false;
     }
@@ -121,6 +38,7 @@ static int read_arguments(cli_apply *a, int argc, char **argv)
                      .at = 1,
                      .argv = argv,
                      .options = options,
+                     .job = true,
                      .command = "apply",
                      .noptions = sizeof options / sizeof *options};
     const char *value;
@@ -128,11 +46,11 @@ static int read_arguments(cli_apply *a, int argc, char **argv)
         if (option == CLI_BAD) return EXIT_USAGE;
         if (option == HELP) return cli_help(stdout, "apply") == EXIT_OK ? -1 : EXIT_FAILED;
         if (option == CLI_POSITIONAL) {
-            if (a->base) {
-                cli_error("apply: one base at a time, got '%s' and '%s'", a->base, value);
+            if (a->job.base) {
+                cli_error("apply: one base at a time, got '%s' and '%s'", a->job.base, value);
                 return EXIT_USAGE;
             }
-            a->base = value;
+            a->job.base = value;
             if (cli_has_ending(value, "json")) {
                 int code = cli_read_recipe(a, value);
                 if (code != EXIT_OK) return code;
@@ -145,11 +63,11 @@ static int read_arguments(cli_apply *a, int argc, char **argv)
 
 static int check_arguments(const cli_apply *a)
 {
-    const char *missing = !a->base                                 ? "a BASE file is missing"
-                          : !a->tile                               ? "--tile is missing ('knurl tiles' lists them)"
-                          : a->noutputs == 0 && !a->dry_run        ? "no output: give -o OUT, or --dry-run"
-                          : a->job.count[0] && a->job.size[0] != 0 ? "--count and --size exclude each other"
-                                                                   : NULL;
+    const char *missing = !a->job.base                      ? "a BASE file is missing"
+                          : !a->job.tile                    ? "--tile is missing ('knurl tiles' lists them)"
+                          : a->noutputs == 0 && !a->dry_run ? "no output: give -o OUT, or --dry-run"
+                          : a->job.options.count[0] && a->job.has_size ? "--count and --size exclude each other"
+                                                                       : NULL;
     if (!missing) return EXIT_OK;
     cli_error("apply: %s", missing);
     cli_usage_hint("apply");
@@ -163,7 +81,7 @@ static kn_status run(kn_ctx *ctx, const cli_apply *a, const kn_job *job, double 
     int open = 0;
     kn_status status = KN_OK;
     for (; open < a->noutputs && status == KN_OK; open += status == KN_OK)
-        status = cli_open_sink(ctx, &sinks[open], a->outputs[open], a->unit_mm);
+        status = cli_open_sink(ctx, &sinks[open], a->outputs[open], a->job.unit_mm);
     if (status == KN_OK) status = kn_job_run(ctx, job, sinks, open);
     for (int i = 0; i < open; i++) {
         bytes[i] = sinks[i].bytes ? (double)sinks[i].bytes(sinks[i].user) : 0.0;
@@ -176,7 +94,7 @@ static kn_status run(kn_ctx *ctx, const cli_apply *a, const kn_job *job, double 
 // unit than the one that was said shows here.
 static void warn_of_size(cli_session *session, const cli_apply *a, const kn_job_report *report)
 {
-    double cell_mm = report->cell_size * a->unit_mm;
+    double cell_mm = report->cell_size * a->job.unit_mm;
     for (int i = 0; i < a->noutputs; i++)
         if ((cli_has_ending(a->outputs[i], "step") || cli_has_ending(a->outputs[i], "stp")) && cell_mm < 0.01) {
             cli_warn(session,
@@ -192,8 +110,8 @@ static int apply(cli_session *session, cli_apply *a, const cli_base *base, const
     kn_ctx *ctx = cli_ctx(session);
     kn_job *job = NULL;
     double bytes[CLI_MAX_OUTPUTS], began = cli_seconds();
-    kn_status status = kn_job_create(ctx, &job, base->surfaces, base->nsurfaces, tile, &a->job);
-    if (status != KN_OK) return cli_fail_on(session, status, a->base, false);
+    kn_status status = kn_job_create(ctx, &job, base->surfaces, base->nsurfaces, tile, &a->job.options);
+    if (status != KN_OK) return cli_fail_on(session, status, a->job.base, false);
     kn_job_report report = kn_job_describe(job);
     timing->plan = cli_seconds() - began;
     warn_of_size(session, a, &report);
@@ -211,7 +129,7 @@ static int apply(cli_session *session, cli_apply *a, const cli_base *base, const
 
 int cli_command_apply(int argc, char **argv)
 {
-    cli_apply a = {.job = kn_job_defaults(), .unit_mm = 1};
+    cli_apply a = {.job = cli_job_defaults()};
     cli_session *session = NULL;
     cli_base base = {0};
     kn_tile tile = {0};
@@ -219,17 +137,19 @@ int cli_command_apply(int argc, char **argv)
     int code = read_arguments(&a, argc, argv);
     if (code == EXIT_OK) code = check_arguments(&a);
     if (code == EXIT_OK) {
-        session = cli_session_begin((cli_session_options){.threads = a.threads, .quiet = a.quiet});
+        session = cli_session_begin((cli_session_options){.threads = a.job.threads, .quiet = a.job.quiet});
         if (!session) code = EXIT_FAILED;
     }
     double began = cli_seconds();
-    if (code == EXIT_OK) code = cli_read_tile(session, &tile, a.tile, a.has_cell ? a.cell : NULL);
-    if (code == EXIT_OK) code = cli_read_base(session, &base, a.base);
+    if (code == EXIT_OK) code = cli_job_begin(session, &a.job);
+    if (code == EXIT_OK) code = cli_read_tile(session, &tile, a.job.tile, a.job.has_cell ? a.job.cell : NULL);
+    if (code == EXIT_OK) code = cli_read_base(session, &base, a.job.base);
     timing.read = cli_seconds() - began;
     if (code == EXIT_OK) code = apply(session, &a, &base, &tile, &timing);
     if (session) {
         cli_base_clear(session, &base);
         kn_tile_clear(cli_ctx(session), &tile);
+        cli_job_end(session, &a.job);
     }
     cli_session_end(session);
     for (int i = 0; i < a.nowned; i++) free(a.owned[i]);

@@ -23,6 +23,7 @@ typedef struct cli_args {
     char **argv;
     const cli_option *options;
     int noptions;
+    bool job; // the options of cli_job come first: those of the command are numbered from CLI_JOB_OPTIONS
     const char *command;
     bool only_positionals; // after "--"
 } cli_args;
@@ -51,6 +52,14 @@ void cli_usage_hint(const char *command);
 
 // A JSON string, which holds UTF-8 alone: of a text that is not, each byte beyond ASCII becomes a '?'.
 struct json_t *cli_json_text(const char *text);
+
+// Numbers of reports. JSON knows no infinity: null.
+enum { CLI_JSON_DIGITS = 6, CLI_TEXT_DIGITS = 2 };
+struct json_t *cli_json_number(double x);
+// x moved up (sign 1) or down (-1) to a number of so many digits: what is printed of a bound is a bound, too.
+double cli_outward(double x, int sign, int digits);
+struct json_t *cli_json_upper(double x);
+struct json_t *cli_json_lower(double x);
 
 // ---- help ----
 int cli_help(FILE *to, const char *command); // NULL: the overview. EXIT_USAGE for an unknown command.
@@ -84,30 +93,102 @@ void cli_base_clear(cli_session *session, cli_base *base);
 // A built-in tile by name, or a tile from a file; cell: u0, v0, u1, v1 or NULL.
 int cli_read_tile(cli_session *session, kn_tile *out, const char *name, const double *cell);
 
-// ---- apply ----
+// ---- a texture on a base: what apply and check share ----
 enum {
-    CLI_MAX_OUTPUTS = 16,
-    CLI_MAX_COUNT = 65536 // cells along a surface: what a job takes
+    CLI_TILE,
+    CLI_TILE_CELL,
+    CLI_COUNT,
+    CLI_SIZE,
+    CLI_SPACING,
+    CLI_ROWS,
+    CLI_STRETCH,
+    CLI_HEIGHT,
+    CLI_OFFSET,
+    CLI_SIDE,
+    CLI_ROTATE,
+    CLI_NORMAL,
+    CLI_NORMAL_TOL,
+    CLI_DIRECTION,
+    CLI_THICKNESS,
+    CLI_ATTRACTION,
+    CLI_ATTRACTION_POWER,
+    CLI_UNIT,
+    CLI_THREADS,
+    CLI_JSON,
+    CLI_QUIET,
+    CLI_JOB_OPTIONS
 };
-typedef struct cli_apply {
+extern const cli_option cli_job_options[CLI_JOB_OPTIONS];
+
+// A length that may name its unit: 3mm.
+typedef struct cli_length {
+    double value;
+    double unit_mm; // 0: the base's
+} cli_length;
+typedef enum cli_side { CLI_ABOVE, CLI_BELOW, CLI_BOTH } cli_side;
+// A number or vector for the whole base, or a spline from a file.
+typedef enum cli_field_kind {
+    CLI_FIELD_DIRECTION,
+    CLI_FIELD_THICKNESS,
+    CLI_FIELD_ATTRACTION,
+    CLI_FIELDS
+} cli_field_kind;
+typedef struct cli_field {
+    const char *path; // NULL: constant
+    double value[3];
+    bool given;
+    kn_spline spline; // over [0,1]^2, once cli_job_begin has made it
+} cli_field;
+
+enum { CLI_MAX_COUNT = 65536 }; // cells along a surface: what a job takes
+typedef struct cli_job {
     const char *base, *tile;
     double cell[4];
     bool has_cell;
-    kn_job_options job;
+    kn_job_options options; // lengths and fields once cli_job_begin has filled them in
+    cli_length size[2], height, offset, mesh_tol, cells_tol;
+    bool has_size;
+    cli_side side;
+    cli_field field[CLI_FIELDS];
     double unit_mm;
-    const char *outputs[CLI_MAX_OUTPUTS];
-    int noutputs;
     int threads;
-    bool dry_run, json, quiet;
-    bool recipe_cells;                // count or size came from a recipe: an option replaces them
-    char *owned[CLI_MAX_OUTPUTS + 2]; // texts that a recipe allocated; freed at the end
-    int nowned;
-} cli_apply;
+    bool json, quiet;
+    bool recipe_cells; // count or size came from a recipe: an option replaces them
+} cli_job;
+
+cli_job cli_job_defaults(void);
+// One option of cli_job_options; false after a message.
+bool cli_job_set(cli_job *job, int option, const char *value);
+// Lengths in the base's unit, the side's heights, and fields read from their files, into job->options; exit code.
+int cli_job_begin(cli_session *session, cli_job *job);
+void cli_job_end(cli_session *session, cli_job *job);
+int cli_read_field(cli_session *session, cli_field *field, cli_field_kind kind); // exit code
+// The heights that lie between 0 and the job's height on its side, lifted by the offset: lo < hi.
+void cli_job_range(const cli_job *job, double range[2]);
 
 // Values that options and recipe keys share; each prints its own message.
 bool cli_set_rotation(const char *name, double degrees, kn_job_options *job);
 bool cli_set_max_degree(const char *name, const char *text, kn_job_options *job);
 bool cli_set_unit(const char *name, const char *text, double *unit_mm);
+bool cli_set_side(const char *name, const char *text, cli_side *side);
+bool cli_set_normal(const char *name, const char *text, kn_job_options *job);
+bool cli_set_spacing(const char *name, const char *text, kn_job_options *job);
+// "X,Y,Z" (thickness: one number) or the name of a .g2 file, which is kept, not copied.
+bool cli_set_field(const char *name, const char *text, cli_field_kind kind, cli_field *field);
+bool cli_length_of(const char *name, const char *text, cli_length *out);
+bool cli_above_zero(const char *name, double value);
+const char *cli_unit_name(double unit_mm); // "mm" ..
+
+// ---- apply ----
+enum { CLI_MAX_OUTPUTS = 16 };
+typedef struct cli_apply {
+    cli_job job;
+    const char *outputs[CLI_MAX_OUTPUTS];
+    int noutputs;
+    bool dry_run;
+    char *owned[CLI_MAX_OUTPUTS + 8]; // texts that a recipe allocated; freed at the end
+    int nowned;
+} cli_apply;
 bool cli_add_output(cli_apply *apply, const char *name, const char *path);
 // Fills apply from a recipe; exit code.
 int cli_read_recipe(cli_apply *apply, const char *path);

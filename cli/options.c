@@ -65,12 +65,23 @@ const char *cli_nearest(const char *word, const char *const *candidates, int n)
     return best;
 }
 
+static int count_options(const cli_args *args)
+{
+    return args->noptions + (args->job ? CLI_JOB_OPTIONS : 0);
+}
+
+static const cli_option *option_at(const cli_args *args, int i)
+{
+    if (!args->job) return &args->options[i];
+    return i < CLI_JOB_OPTIONS ? &cli_job_options[i] : &args->options[i - CLI_JOB_OPTIONS];
+}
+
 static int unknown_option(const cli_args *args, const char *name, size_t length)
 {
     const char *names[64];
     char word[64];
-    int n = args->noptions < 64 ? args->noptions : 64;
-    for (int i = 0; i < n; i++) names[i] = args->options[i].name;
+    int n = count_options(args) < 64 ? count_options(args) : 64;
+    for (int i = 0; i < n; i++) names[i] = option_at(args, i)->name;
     snprintf(word, sizeof word, "%.*s", (int)length, name);
     const char *nearest = cli_nearest(word, names, n);
     if (nearest)
@@ -83,7 +94,7 @@ static int unknown_option(const cli_args *args, const char *name, size_t length)
 
 static int take_value(cli_args *args, int index, const char *attached, const char **value)
 {
-    const cli_option *option = &args->options[index];
+    const cli_option *option = option_at(args, index);
     if (!option->has_value) {
         if (!attached) return index;
         cli_error("%s: --%s takes no value", args->command, option->name);
@@ -115,14 +126,14 @@ int cli_next(cli_args *args, const char **value)
         return CLI_POSITIONAL;
     }
     if (text[1] != '-') {
-        for (int i = 0; i < args->noptions; i++)
-            if (args->options[i].letter == text[1]) return take_value(args, i, text[2] ? text + 2 : NULL, value);
+        for (int i = 0; i < count_options(args); i++)
+            if (option_at(args, i)->letter == text[1]) return take_value(args, i, text[2] ? text + 2 : NULL, value);
         return unknown_option(args, text + 1, 1);
     }
     const char *name = text + 2, *equals = strchr(name, '=');
     size_t length = equals ? (size_t)(equals - name) : strlen(name);
-    for (int i = 0; i < args->noptions; i++)
-        if (strlen(args->options[i].name) == length && strncmp(args->options[i].name, name, length) == 0)
+    for (int i = 0; i < count_options(args); i++)
+        if (strlen(option_at(args, i)->name) == length && strncmp(option_at(args, i)->name, name, length) == 0)
             return take_value(args, i, equals ? equals + 1 : NULL, value);
     return unknown_option(args, name, length);
 }

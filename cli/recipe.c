@@ -81,7 +81,7 @@ static bool get_count(const recipe *r, const json_t *value)
     for (int d = 0; d < 2; d++) {
         if (pair[d] != floor(pair[d]) || pair[d] > CLI_MAX_COUNT)
             return bad(r, "count", "whole numbers from 1 to 65536");
-        r->apply->job.count[d] = (int)pair[d];
+        r->apply->job.options.count[d] = (int)pair[d];
     }
     return true;
 }
@@ -95,24 +95,95 @@ static bool get_max_degree(const recipe *r, const json_t *value)
         snprintf(text, sizeof text, "%lld", (long long)json_integer_value(value));
     else
         return bad(r, "max_degree", "a whole number or a profile");
-    return cli_set_max_degree(in_recipe(r, "max_degree").text, text, &r->apply->job);
+    return cli_set_max_degree(in_recipe(r, "max_degree").text, text, &r->apply->job.options);
+}
+
+// A number in the base's unit, or a text with a unit of its own.
+static bool get_length(const recipe *r, const char *key, const json_t *value, cli_length *out, bool above_zero)
+{
+    cli_length l = {.value = json_number_value(value)};
+    if (json_is_string(value)) {
+        if (!cli_length_of(in_recipe(r, key).text, json_string_value(value), &l)) return false;
+    } else if (!json_is_number(value))
+        return bad(r, key, "a number or a length such as \"3mm\"");
+    if (above_zero && !(l.value > 0)) return bad(r, key, "a length above 0");
+    *out = l;
+    return true;
+}
+
+static bool get_size(const recipe *r, const json_t *value)
+{
+    cli_job *job = &r->apply->job;
+    bool pair = json_is_array(value) && json_array_size(value) == 2;
+    return job->has_size = get_length(r, "size", pair ? json_array_get(value, 0) : value, &job->size[0], true) &&
+                           get_length(r, "size", pair ? json_array_get(value, 1) : value, &job->size[1], true);
+}
+
+// A file beside the recipe, a vector, or for a thickness a number.
+static bool get_field(const recipe *r, const char *key, const json_t *value, cli_field_kind kind)
+{
+    cli_field *field = &r->apply->job.field[kind];
+    bool scalar = kind == CLI_FIELD_THICKNESS;
+    const char *text = json_string_value(value);
+    field->given = true;
+    if (text && (cli_has_ending(text, "g2") || cli_has_ending(text, "bpt")))
+        return get_text(r, key, value, true, &field->path);
+    field->path = NULL;
+    if (scalar && !json_is_array(value)) return get_number(r, key, value, &field->value[0]);
+    if (scalar || !json_is_array(value) || json_array_size(value) != 3)
+        return bad(r, key, scalar ? "a number or a .g2 file" : "[x, y, z] or a .g2 file");
+    for (size_t c = 0; c < 3; c++)
+        if (!get_number(r, key, json_array_get(value, c), &field->value[c])) return false;
+    return true;
+}
+
+static bool get_flag(const recipe *r, const char *key, const json_t *value, bool *out)
+{
+    *out = json_is_true(value);
+    return json_is_boolean(value) || bad(r, key, "true or false");
+}
+
+static bool get_power(const recipe *r, const char *key, const json_t *value)
+{
+    json_int_t power = json_integer_value(value); // 0 when it is none
+    r->apply->job.options.attraction_power = power > 0 && power <= KN_MAX_DEGREE ? (int)power : 0;
+    return r->apply->job.options.attraction_power > 0 || bad(r, key, "a whole number above 0");
+}
+
+// Keys that tell where cells lie.
+static bool cells_key(const recipe *r, const char *key, const json_t *value, bool *known)
+{
+    kn_job_options *o = &r->apply->job.options;
+    const char *text = json_string_value(value);
+    *known = true;
+    if (strcmp(key, "count") == 0) return get_count(r, value);
+    if (strcmp(key, "size") == 0) return get_size(r, value);
+    if (strcmp(key, "spacing") == 0) return cli_set_spacing(in_recipe(r, key).text, text ? text : "", o);
+    if (strcmp(key, "rows") == 0) return get_flag(r, key, value, &o->rows);
+    if (strcmp(key, "stretch") == 0) return get_flag(r, key, value, &o->stretch);
+    *known = false;
+    return true;
 }
 
 static bool layer_key(const recipe *r, const char *key, const json_t *value)
 {
-    kn_job_options *job = &r->apply->job;
+    cli_job *job = &r->apply->job;
+    const char *text = json_string_value(value);
     double number;
-    if (strcmp(key, "tile") == 0) {
-        const char *text = json_string_value(value);
-        return get_text(r, key, value, text && strchr(text, '.'), &r->apply->tile);
-    }
-    if (strcmp(key, "count") == 0) return get_count(r, value);
-    if (strcmp(key, "size") == 0) return get_pair(r, key, value, job->size);
+    bool known, ok = cells_key(r, key, value, &known);
+    if (known) return ok;
+    if (strcmp(key, "tile") == 0) return get_text(r, key, value, text && strchr(text, '.'), &job->tile);
     if (strcmp(key, "height") == 0)
-        return get_number(r, key, value, &job->height) && (job->height != 0 || bad(r, key, "a number other than 0"));
-    if (strcmp(key, "offset") == 0) return get_number(r, key, value, &job->offset);
+        return get_length(r, key, value, &job->height, false) &&
+               (job->height.value != 0 || bad(r, key, "a length other than 0"));
+    if (strcmp(key, "offset") == 0) return get_length(r, key, value, &job->offset, false);
+    if (strcmp(key, "side") == 0) return cli_set_side(in_recipe(r, key).text, text ? text : "", &job->side);
     if (strcmp(key, "rotate") == 0)
-        return get_number(r, key, value, &number) && cli_set_rotation(in_recipe(r, key).text, number, job);
+        return get_number(r, key, value, &number) && cli_set_rotation(in_recipe(r, key).text, number, &job->options);
+    if (strcmp(key, "direction") == 0) return get_field(r, key, value, CLI_FIELD_DIRECTION);
+    if (strcmp(key, "thickness") == 0) return get_field(r, key, value, CLI_FIELD_THICKNESS);
+    if (strcmp(key, "attraction") == 0) return get_field(r, key, value, CLI_FIELD_ATTRACTION);
+    if (strcmp(key, "attraction_power") == 0) return get_power(r, key, value);
     cli_error("%s: unknown key \"%s\" in a layer", r->path, key);
     return false;
 }
@@ -130,7 +201,7 @@ static bool get_layers(const recipe *r, json_t *layers)
     const json_t *layer = json_array_get(layers, 0);
     if (json_object_get(layer, "count") && json_object_get(layer, "size"))
         return bad(r, "layers", "count or size, not both");
-    r->apply->recipe_cells = true;
+    r->apply->job.recipe_cells = true;
     return true;
 }
 
@@ -152,14 +223,18 @@ static bool top_key(const recipe *r, const char *key, json_t *value)
     cli_apply *a = r->apply;
     if (strcmp(key, "format") == 0)
         return (json_is_integer(value) && json_integer_value(value) == 1) || bad(r, key, "1");
-    if (strcmp(key, "base") == 0) return get_text(r, key, value, true, &a->base);
+    if (strcmp(key, "base") == 0) return get_text(r, key, value, true, &a->job.base);
     if (strcmp(key, "unit") == 0)
-        return json_is_string(value) ? cli_set_unit(in_recipe(r, key).text, json_string_value(value), &a->unit_mm)
+        return json_is_string(value) ? cli_set_unit(in_recipe(r, key).text, json_string_value(value), &a->job.unit_mm)
                                      : bad(r, key, "mm, cm, m or in");
     if (strcmp(key, "layers") == 0) return get_layers(r, value);
     if (strcmp(key, "outputs") == 0) return get_outputs(r, value);
-    if (strcmp(key, "normal_tol") == 0) return get_above_zero(r, key, value, &a->job.normal_tol);
-    if (strcmp(key, "tol") == 0) return get_above_zero(r, key, value, &a->job.mesh_tol);
+    if (strcmp(key, "normal") == 0)
+        return cli_set_normal(in_recipe(r, key).text, json_is_string(value) ? json_string_value(value) : "",
+                              &a->job.options);
+    if (strcmp(key, "normal_tol") == 0) return get_above_zero(r, key, value, &a->job.options.normal_tol);
+    if (strcmp(key, "tol") == 0) return get_length(r, key, value, &a->job.mesh_tol, true);
+    if (strcmp(key, "cells_tol") == 0) return get_length(r, key, value, &a->job.cells_tol, true);
     if (strcmp(key, "max_degree") == 0) return get_max_degree(r, value);
     cli_error("%s: unknown key \"%s\"", r->path, key);
     return false;
@@ -178,7 +253,7 @@ int cli_read_recipe(cli_apply *apply, const char *path)
         return EXIT_BAD_INPUT;
     }
     recipe r = {path, apply};
-    apply->base = NULL;
+    apply->job.base = NULL;
     bool ok = json_is_object(root) || bad(&r, "recipe", "an object");
     if (ok && !json_object_get(root, "format")) ok = bad(&r, "format", "1");
     const char *key;
@@ -190,8 +265,8 @@ int cli_read_recipe(cli_apply *apply, const char *path)
                 break;
             }
         }
-    if (ok && !apply->base) ok = bad(&r, "base", "the path of a spline file");
-    if (ok && !apply->tile) ok = bad(&r, "layers", "a layer with a tile");
+    if (ok && !apply->job.base) ok = bad(&r, "base", "the path of a spline file");
+    if (ok && !apply->job.tile) ok = bad(&r, "layers", "a layer with a tile");
     json_decref(root);
     return ok ? EXIT_OK : EXIT_BAD_INPUT;
 }

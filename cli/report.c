@@ -21,16 +21,12 @@ json_t *cli_json_text(const char *text)
     return out;
 }
 
-// JSON knows no infinity: an unbounded error is null.
-static json_t *number(double x)
+json_t *cli_json_number(double x)
 {
     return isfinite(x) ? json_real(x) : json_null();
 }
 
-enum { JSON_DIGITS = 6, TEXT_DIGITS = 2 };
-
-// x moved up (sign 1) or down (-1) to a number of so many digits: what is printed of a bound is a bound, too.
-static double outward(double x, int sign, int digits)
+double cli_outward(double x, int sign, int digits)
 {
     char text[32];
     if (!isfinite(x)) return x;
@@ -40,14 +36,23 @@ static double outward(double x, int sign, int digits)
     return sign * y < sign * x ? y + sign * step : y;
 }
 
-static json_t *upper(double x)
+json_t *cli_json_upper(double x)
 {
-    return number(outward(x, 1, JSON_DIGITS));
+    return cli_json_number(cli_outward(x, 1, CLI_JSON_DIGITS));
 }
 
-static json_t *lower(double x)
+json_t *cli_json_lower(double x)
 {
-    return number(outward(x, -1, JSON_DIGITS));
+    return cli_json_number(cli_outward(x, -1, CLI_JSON_DIGITS));
+}
+
+static json_t *range_json(const kn_cells_range *r)
+{
+    json_t *histogram = json_array();
+    for (int i = 0; i < KN_CELLS_BINS; i++)
+        json_array_append_new(histogram, json_integer((json_int_t)r->histogram[i]));
+    return json_pack("{s:o,s:o,s:o,s:o}", "min", cli_json_number(r->min), "mean", cli_json_number(r->mean), "max",
+                     cli_json_number(r->max), "histogram", histogram);
 }
 
 static json_t *file_bytes(const cli_apply *a, const double *bytes)
@@ -66,8 +71,8 @@ static void print_json(const cli_apply *a, const kn_job_report *r, const double 
 {
     // fit.tolerance: a stand-in and n may each be off by the tolerance in length and in angle, at the tile's height.
     json_t *o = json_object();
-    json_object_set_new(o, "base", cli_json_text(a->base));
-    json_object_set_new(o, "tile", cli_json_text(a->tile));
+    json_object_set_new(o, "base", cli_json_text(a->job.base));
+    json_object_set_new(o, "tile", cli_json_text(a->job.tile));
     json_object_set_new(o, "dry_run", json_boolean(a->dry_run));
     json_object_set_new(o, "surfaces", json_integer(r->nsurfaces));
     json_object_set_new(o, "cells", json_integer((json_int_t)r->cells));
@@ -77,26 +82,32 @@ static void print_json(const cli_apply *a, const kn_job_report *r, const double 
     json_object_set_new(o, "triangles", json_integer((json_int_t)r->triangles));
     json_object_set_new(o, "degree", json_pack("[ii]", r->degree[0], r->degree[1]));
     json_object_set_new(o, "control_points", json_integer((json_int_t)r->control_points));
-    json_object_set_new(o, "cell_size", number(r->cell_size));
-    json_object_set_new(o, "height", number(r->height));
+    json_object_set_new(o, "cell_size", cli_json_number(r->cell_size));
+    json_object_set_new(o, "height", cli_json_number(r->height));
     json_object_set_new(o, "normal",
-                        json_pack("{s:s,s:o,s:o,s:o,s:b}", "method", "fitted", "tolerance", number(r->normal_tol),
-                                  "length_error", upper(r->normal.length_error), "angle_error_rad",
-                                  upper(r->normal.angle_error), "certified", r->normal.certified));
+                        json_pack("{s:s,s:o,s:o,s:o,s:b}", "method",
+                                  a->job.options.normal == KN_NORMAL_FITTED ? "fitted" : "exact-direction",
+                                  "tolerance", cli_json_number(r->normal_tol), "length_error",
+                                  cli_json_upper(r->normal.length_error), "angle_error_rad",
+                                  cli_json_upper(r->normal.angle_error), "certified", r->normal.certified));
     json_object_set_new(o, "fit",
                         json_pack("{s:i,s:o,s:o}", "max_degree", r->max_degree, "tolerance",
-                                  number(4 * r->normal_tol * fabs(r->height)), "certified_error",
-                                  upper(r->stand_in_error)));
+                                  cli_json_number(4 * r->normal_tol * fabs(r->height)), "certified_error",
+                                  cli_json_upper(r->stand_in_error)));
     json_object_set_new(o, "jacobian",
-                        json_pack("{s:o,s:o,s:b}", "min", lower(r->jacobian_lo), "max", upper(r->jacobian_hi),
-                                  "certified_positive", r->jacobian_lo > 0));
+                        json_pack("{s:o,s:o,s:b}", "min", cli_json_lower(r->jacobian_lo), "max",
+                                  cli_json_upper(r->jacobian_hi), "certified_positive", r->jacobian_lo > 0));
+    json_object_set_new(o, "spread",
+                        json_pack("{s:o,s:o,s:o,s:o}", "width", range_json(&r->spread.width), "height",
+                                  range_json(&r->spread.height), "area", range_json(&r->spread.area),
+                                  "reparameterization_error", cli_json_upper(r->cells_error)));
     json_object_set_new(o, "bytes", file_bytes(a, bytes));
     json_object_set_new(o, "bytes_estimated", json_boolean(a->dry_run));
     json_object_set_new(o, "seconds",
                         json_pack("{s:f,s:f,s:f,s:f}", "read", t->read, "plan", t->plan, "compose_and_write", t->run,
                                   "total", t->read + t->plan + t->run));
     json_object_set_new(o, "peak_bytes", json_integer((json_int_t)peak_bytes));
-    json_dumpf(o, stdout, JSON_INDENT(2) | JSON_REAL_PRECISION(JSON_DIGITS));
+    json_dumpf(o, stdout, JSON_INDENT(2) | JSON_REAL_PRECISION(CLI_JSON_DIGITS));
     putchar('\n');
     json_decref(o);
 }
@@ -105,18 +116,25 @@ static void print_text(const cli_apply *a, const kn_job_report *r, const double 
 {
     printf("%zu cells of about %.3g, height %.3g, on %d surface%s\n", r->cells, r->cell_size, r->height, r->nsurfaces,
            r->nsurfaces == 1 ? "" : "s");
+    const kn_cells_spread *sp = &r->spread;
+    if (sp->cells > 0)
+        printf("cells %.3g to %.3g wide, %.3g to %.3g high; areas differ by a factor of %.3g\n", sp->width.min,
+               sp->width.max, sp->height.min, sp->height.max, sp->area.max / sp->area.min);
+    if (r->cells_error > 0)
+        printf("cells follow free corners within %.1e (certified)\n", cli_outward(r->cells_error, 1, 2));
     printf("%zu patches of degree up to (%d,%d), %zu control points, %zu triangles\n", r->patches, r->degree[0],
            r->degree[1], r->control_points, r->triangles);
-    printf("unit normal within %.1e in length and %.1e rad%s\n", outward(r->normal.length_error, 1, TEXT_DIGITS),
-           outward(r->normal.angle_error, 1, TEXT_DIGITS), r->normal.certified ? " (certified)" : "");
+    printf("unit normal within %.1e in length and %.1e rad%s\n",
+           cli_outward(r->normal.length_error, 1, CLI_TEXT_DIGITS),
+           cli_outward(r->normal.angle_error, 1, CLI_TEXT_DIGITS), r->normal.certified ? " (certified)" : "");
     if (r->exact_patches == r->patches)
         printf("every patch is the exact composition\n");
     else
         printf("%zu patches exact, %zu within %.1e (certified)\n", r->exact_patches, r->patches - r->exact_patches,
-               outward(r->stand_in_error, 1, TEXT_DIGITS));
+               cli_outward(r->stand_in_error, 1, CLI_TEXT_DIGITS));
     if (!(r->jacobian_lo > 0))
         printf("the shell is not certified free of folds and poles (Jacobian >= %.2g)\n",
-               outward(r->jacobian_lo, -1, TEXT_DIGITS));
+               cli_outward(r->jacobian_lo, -1, CLI_TEXT_DIGITS));
     for (int i = 0; i < a->noutputs; i++)
         printf("%s%s  %.1f MB\n", a->dry_run ? "would write about " : "", a->outputs[i], bytes[i] / 1e6);
     printf("%.2f s\n", t->read + t->plan + t->run);
@@ -125,8 +143,8 @@ static void print_text(const cli_apply *a, const kn_job_report *r, const double 
 void cli_print_apply(const cli_apply *apply, const kn_job_report *report, const double *bytes,
                      const cli_timing *timing, size_t peak_bytes)
 {
-    if (apply->json)
+    if (apply->job.json)
         print_json(apply, report, bytes, timing, peak_bytes);
-    else if (!apply->quiet)
+    else if (!apply->job.quiet)
         print_text(apply, report, bytes, timing);
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Values that options of apply and keys of a recipe share.
+// Values that options and keys of a recipe share.
 #include "cli/cli.h"
 
 #include <math.h>
@@ -39,18 +39,99 @@ bool cli_set_max_degree(const char *name, const char *text, kn_job_options *job)
     return false;
 }
 
-bool cli_set_unit(const char *name, const char *text, double *unit_mm)
+static const struct {
+    const char *name;
+    double mm;
+} units[] = {{"mm", 1}, {"cm", 10}, {"m", 1000}, {"in", 25.4}};
+enum { UNITS = sizeof units / sizeof *units };
+
+static bool find_unit(const char *text, double *mm)
 {
-    static const struct {
-        const char *unit;
-        double mm;
-    } units[] = {{"mm", 1}, {"cm", 10}, {"m", 1000}, {"in", 25.4}};
-    for (size_t i = 0; i < sizeof units / sizeof *units; i++)
-        if (strcmp(text, units[i].unit) == 0) {
-            *unit_mm = units[i].mm;
+    for (int i = 0; i < UNITS; i++)
+        if (strcmp(text, units[i].name) == 0) {
+            *mm = units[i].mm;
             return true;
         }
+    return false;
+}
+
+bool cli_set_unit(const char *name, const char *text, double *unit_mm)
+{
+    if (find_unit(text, unit_mm)) return true;
     cli_error("%s: expected mm, cm, m or in, got '%s'", name, text);
+    return false;
+}
+
+const char *cli_unit_name(double unit_mm)
+{
+    for (int i = 0; i < UNITS; i++)
+        if (units[i].mm == unit_mm) return units[i].name;
+    return "";
+}
+
+bool cli_length_of(const char *name, const char *text, cli_length *out)
+{
+    char *end;
+    cli_length l = {.value = strtod(text, &end)};
+    if (end != text && isfinite(l.value) && (*end == '\0' || find_unit(end, &l.unit_mm))) {
+        *out = l;
+        return true;
+    }
+    cli_error("%s: expected a length such as 3 or 3mm (mm, cm, m, in), got '%s'", name, text);
+    return false;
+}
+
+bool cli_above_zero(const char *name, double value)
+{
+    if (value > 0) return true;
+    cli_error("%s: expected a number above 0, got %g", name, value);
+    return false;
+}
+
+// The place of text among n names, or -1 after a message.
+static int choice(const char *name, const char *text, const char *const *names, int n, const char *expected)
+{
+    for (int i = 0; i < n; i++)
+        if (strcmp(text, names[i]) == 0) return i;
+    cli_error("%s: expected %s, got '%s'", name, expected, text);
+    return -1;
+}
+
+bool cli_set_side(const char *name, const char *text, cli_side *side)
+{
+    static const char *const names[] = {[CLI_ABOVE] = "above", [CLI_BELOW] = "below", [CLI_BOTH] = "both"};
+    int i = choice(name, text, names, 3, "above, below or both");
+    if (i >= 0) *side = (cli_side)i;
+    return i >= 0;
+}
+
+bool cli_set_normal(const char *name, const char *text, kn_job_options *job)
+{
+    static const char *const names[] = {
+        [KN_NORMAL_FITTED] = "fitted", [KN_NORMAL_EXACT_DIRECTION] = "exact-direction"};
+    int i = choice(name, text, names, 2, "fitted or exact-direction");
+    if (i >= 0) job->normal = (kn_normal_method)i;
+    return i >= 0;
+}
+
+bool cli_set_spacing(const char *name, const char *text, kn_job_options *job)
+{
+    static const char *const names[] = {
+        [KN_CELLS_UNIFORM] = "uniform", [KN_CELLS_EVEN] = "even", [KN_CELLS_FREE] = "free"};
+    int i = choice(name, text, names, 3, "uniform, even or free");
+    if (i >= 0) job->spacing = (kn_cells_spacing)i;
+    return i >= 0;
+}
+
+bool cli_set_field(const char *name, const char *text, cli_field_kind kind, cli_field *field)
+{
+    field->given = true;
+    field->path = cli_has_ending(text, "g2") || cli_has_ending(text, "bpt") ? text : NULL;
+    if (field->path) return true;
+    int n = kind == CLI_FIELD_THICKNESS ? 1 : 3;
+    int got = cli_list(name, text, field->value, n);
+    if (got == n) return true;
+    if (got > 0) cli_error("%s: expected X,Y,Z or a .g2 file, got '%s'", name, text);
     return false;
 }
 
