@@ -63,7 +63,7 @@ static kn_status check_member(kn_ctx *ctx, lengths *l, int m)
         double *f = l->breaks, x = (b[i] - b[0]) / (b[spans] - b[0]);
         double y = m == 0 ? x : (f[backward ? spans - i : i] - f[0]) / (f[spans] - f[0]);
         l->breaks[m * (spans + 1) + i] = b[i];
-        same = fabs(x - (backward ? 1.0 - y : y)) <= 1e-9;
+        same = fabs(x - (backward ? 1.0 - y : y)) <= 1e-6;
     }
     return same ? KN_OK : kn_fail(ctx, KN_EDOMAIN, "even lines: surfaces 0 and %d have other knots", m);
 }

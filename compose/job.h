@@ -109,10 +109,10 @@ double kn_job_off_chord(const double *p, const double *a, const double *b);
 double kn_job_mean_length(const kn_job_measure *m, int along);
 
 // ---- job_sizes.c ----
-// job->surfaces' counts and partners, height, mesh_tol, patches and segments, from the options.
+// job->surfaces' counts, lines and partners, height, mesh_tol, patches and segments, from the options.
 kn_status kn_job_decide_sizes(kn_ctx *ctx, kn_job *job, const kn_spline *surfaces);
 // ---- job_shells.c ----
-// job->surfaces' lines, shells and bounds of the Jacobian.
+// job->surfaces' shells and bounds of the Jacobian.
 kn_status kn_job_make_shells(kn_ctx *ctx, kn_job *job, const kn_spline *surfaces);
 
 // ---- job_edges.c ----
@@ -126,14 +126,23 @@ kn_status kn_job_match_edges(kn_ctx *ctx, kn_job *job);
 kn_job_place kn_job_find_place(const kn_job *job, int surface, const int cell[2], const int offset[2]);
 
 // ---- job_counts.c ----
+// The class of each direction of each surface (2 surface + variable): lines that meet on shared edges.
+typedef struct kn_job_class {
+    int id;
+    bool reversed; // against the class's own direction
+    bool mirrored; // the class meets itself backwards, as on a Moebius strip
+} kn_job_class;
+kn_status kn_job_find_classes(kn_ctx *ctx, kn_job_class *classes, const kn_job_partner *partners, int nsurfaces);
 // counts[s] = cells of surface s in u and in v, as options ask. size: in force when options->count is 0.
 kn_status kn_job_counts(kn_ctx *ctx, int (*counts)[2], const kn_spline *surfaces, int nsurfaces,
                         const kn_job_measure *measures, const kn_job_options *options,
-                        const kn_job_partner *partners);
+                        const kn_job_class *classes);
 
 // ---- job_lines.c ----
-// lines[0 .. count]: the knots of variable var and lines between them, uniform in each span; knot[i] tells which.
-kn_status kn_job_make_lines(kn_ctx *ctx, double **lines, bool **knot, const kn_spline *surface, int var, int count);
+// job->surfaces' lines and knot flags, from their counts of cells: the options' spacing, even lines for each class.
+kn_status kn_job_make_lines(kn_ctx *ctx, kn_job *job, const kn_spline *surfaces, const kn_job_class *classes);
+// job->report.spread, of the lines that are there.
+kn_status kn_job_measure_spread(kn_ctx *ctx, kn_job *job, const kn_spline *surfaces);
 
 // ---- job_patches.c ----
 // job->patches from job->tile and the options' height and offset.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The shell of each surface of a job: lines, degrees, the bounds of its Jacobian.
+// The shell of each surface of a job: degrees, the bounds of its Jacobian.
 #include "compose/job.h"
 #include "kernel/parallel.h"
 
@@ -43,11 +43,6 @@ static kn_status make_shell(kn_ctx *ctx, void *user, size_t index)
     const shells *all = user;
     const kn_spline *s = &all->surfaces[index];
     kn_job_surface *to = &all->job->surfaces[index];
-    kn_status status = KN_OK;
-    for (int d = 0; status == KN_OK && d < 2; d++)
-        status = kn_job_make_lines(ctx, &to->lines[d], &to->knot[d], s, d, to->cells[d]);
-    if (status != KN_OK) return status;
-
     kn_shell_options o = kn_shell_defaults();
     for (int d = 0; d < 2; d++) {
         o.lines[d] = to->lines[d];
@@ -56,7 +51,7 @@ static kn_status make_shell(kn_ctx *ctx, void *user, size_t index)
     }
     o.normal_tol = all->job->options.normal_tol;
     o.max_degree = to->degree_sum / 2 < usual_normal_degree ? to->degree_sum / 2 : usual_normal_degree;
-    status = kn_shell_create(ctx, &to->shell, s, &o);
+    kn_status status = kn_shell_create(ctx, &to->shell, s, &o);
     if (status != KN_OK) return status;
 
     kn_shell_closed(to->shell, to->closed);

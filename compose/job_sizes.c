@@ -98,14 +98,17 @@ kn_status kn_job_decide_sizes(kn_ctx *ctx, kn_job *job, const kn_spline *surface
     kn_job_measure *measures = kn_alloc(ctx, n, sizeof *measures);
     int(*counts)[2] = kn_alloc(ctx, n, sizeof *counts);
     kn_job_partner *partners = kn_alloc(ctx, 4 * n, sizeof *partners);
+    kn_job_class *classes = kn_alloc(ctx, 2 * n, sizeof *classes);
     double diagonal = 0.0;
-    kn_status status = measures && counts && partners ? base_diagonal(ctx, &diagonal, surfaces, job->nsurfaces)
-                                                      : KN_ENOMEM;
+    kn_status status = measures && counts && partners && classes
+                           ? base_diagonal(ctx, &diagonal, surfaces, job->nsurfaces)
+                           : KN_ENOMEM;
     for (int s = 0; status == KN_OK && s < job->nsurfaces; s++)
         status = kn_job_measure_surface(ctx, &measures[s], &surfaces[s]);
     resolve_size(o, diagonal);
     if (status == KN_OK) status = kn_job_find_partners(ctx, partners, surfaces, job->nsurfaces, 1e-9 * diagonal);
-    if (status == KN_OK) status = kn_job_counts(ctx, counts, surfaces, job->nsurfaces, measures, o, partners);
+    if (status == KN_OK) status = kn_job_find_classes(ctx, classes, partners, job->nsurfaces);
+    if (status == KN_OK) status = kn_job_counts(ctx, counts, surfaces, job->nsurfaces, measures, o, classes);
     for (int s = 0; status == KN_OK && s < job->nsurfaces; s++) {
         size_t cells = (size_t)counts[s][0] * (size_t)counts[s][1];
         job->surfaces[s].first_cell = job->ncells;
@@ -116,6 +119,8 @@ kn_status kn_job_decide_sizes(kn_ctx *ctx, kn_job *job, const kn_spline *surface
         else
             job->ncells += cells;
     }
+    if (status == KN_OK) status = kn_job_make_lines(ctx, job, surfaces, classes);
+    if (status == KN_OK) status = kn_job_measure_spread(ctx, job, surfaces);
     if (status == KN_OK) {
         double size = mean_cell_size(measures, counts, job->nsurfaces);
         if (o->height == 0.0) o->height = (job->tile.aspect > 0.0 ? job->tile.aspect : 1.0) * size;
@@ -128,5 +133,6 @@ kn_status kn_job_decide_sizes(kn_ctx *ctx, kn_job *job, const kn_spline *surface
     kn_free(ctx, measures);
     kn_free(ctx, counts);
     kn_free(ctx, partners);
+    kn_free(ctx, classes);
     return status;
 }

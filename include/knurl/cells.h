@@ -71,7 +71,7 @@ typedef struct kn_cells_along {
 } kn_cells_along;
 // Even lines for n >= 1 directions together, so that cells meet on edges that surfaces share: L is the sum of theirs,
 // and lines lie at the same places of each member's knot spans (bit for bit on equal knots, in the same direction).
-// in:     the same knots, scaled to [0,1] and reversed as said, within 1e-9 (else KN_EDOMAIN).
+// in:     the same knots, scaled to [0,1] and reversed as said, within 1e-6 (else KN_EDOMAIN).
 // out:    lines[0 .. n-1], each as above.
 KN_API KN_CHECKED kn_status kn_cells_shared_lines(kn_ctx *ctx, double **lines, const kn_cells_along *along, int n,
                                                   int count);

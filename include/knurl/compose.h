@@ -153,7 +153,13 @@ KN_API void kn_compose_matrix_clear(kn_ctx *ctx, kn_compose_matrix *matrix);
 
 // ---- jobs ----
 
-typedef enum kn_cells_spacing { KN_CELLS_UNIFORM, KN_CELLS_EVEN, KN_CELLS_FREE } kn_cells_spacing;
+// Where cell lines lie.
+typedef enum kn_cells_spacing {
+    KN_CELLS_DEFAULT, // even in each direction whose count comes from a size, uniform where it is given
+    KN_CELLS_UNIFORM, // equal parameter steps in each knot span (kn_cells_uniform_lines)
+    KN_CELLS_EVEN,    // equal steps of length, for surfaces that share edges together (kn_cells_shared_lines)
+    KN_CELLS_FREE,    // corners free in both directions: S is replaced by S(map) (kn_cells_relax)
+} kn_cells_spacing;
 
 // Zero means the default in every field.
 typedef struct kn_job_options {
@@ -163,8 +169,6 @@ typedef struct kn_job_options {
     double height;     // of w = 1 above the base, negative below; 0: the tile's aspect times the mean cell size
     double offset;     // added to every height, length units
     int quarter_turns; // of the tile in its cell
-    // Where cell lines lie. KN_CELLS_UNIFORM: equal parameter steps in each knot span; KN_CELLS_EVEN: even in length
-    // along u and along v; KN_CELLS_FREE: corners free in both directions, S replaced by S(map) (cells.h).
     kn_cells_spacing spacing;
     bool rows;        // rows of cells may have different counts, where S narrows (kn_cells_bands); casual tiles only
     bool stretch;     // heights follow the local stretch (kn_cells_stretch)
@@ -240,7 +244,7 @@ KN_API void kn_sink_close(kn_ctx *ctx, kn_sink *sink); // idempotent
 typedef struct kn_job kn_job;
 
 // Plans tile x cells over the surfaces (dim 3, two variables; copied, as the tile is). Counts, shells and
-// subdivisions are decided here. Cell lines are uniform in each knot span. A tile patch that crosses cell lines along
+// subdivisions are decided here. A tile patch that crosses cell lines along
 // its own parameter lines is cut there and continues in the next cell (wrapped where the surface is closed, on the
 // surface at the other side of a shared edge where cell lines and normals, to ten normal_tol, go on over it, and else
 // on its own extended surface); otherwise it keeps its
