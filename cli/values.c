@@ -116,9 +116,11 @@ bool cli_set_normal(const char *name, const char *text, kn_job_options *job)
 
 bool cli_set_spacing(const char *name, const char *text, kn_job_options *job)
 {
-    static const char *const names[] = {
-        [KN_CELLS_UNIFORM] = "uniform", [KN_CELLS_EVEN] = "even", [KN_CELLS_FREE] = "free"};
-    int i = choice(name, text, names, 3, "uniform, even or free");
+    static const char *const names[] = {[KN_CELLS_DEFAULT] = "default",
+                                        [KN_CELLS_UNIFORM] = "uniform",
+                                        [KN_CELLS_EVEN] = "even",
+                                        [KN_CELLS_FREE] = "free"};
+    int i = choice(name, text, names, 4, "default, uniform, even or free");
     if (i >= 0) job->spacing = (kn_cells_spacing)i;
     return i >= 0;
 }
