@@ -14,6 +14,8 @@ kn_status kn_cells_expect_lines(kn_ctx *ctx, const char *call, const kn_spline *
                                 int n, bool whole);
 // KN_OK for a variable of the surface and a count of cells no smaller than its knot spans.
 kn_status kn_cells_expect_count(kn_ctx *ctx, const char *call, const kn_spline *surface, int var, int count);
+// KN_OK for a polynomial map of two variables, all of whose coefficients lie in the domain of the surface.
+kn_status kn_cells_expect_map(kn_ctx *ctx, const char *call, const kn_spline *surface, const kn_spline *map);
 
 // Abscissae and weights of Gauss's rule of m <= KN_CELLS_POINTS points on [0,1].
 void kn_cells_gauss(double *x, double *w, int m);

@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: Apache-2.0
+// Inside cells: a spline that stands for S(map), and the bound of its distance.
+#ifndef CELLS_FIT_H
+#define CELLS_FIT_H
+
+#include <knurl/cells.h>
+
+// Surface, map and fit as pieces over their knot spans; brk: the distinct knots, last variable fastest.
+typedef struct kn_piece_grid {
+    kn_bezier *piece;
+    size_t npieces;
+    double *brk[2]; // in scratch
+    int n[2];       // spans
+} kn_piece_grid;
+kn_status kn_piece_grid_init(kn_ctx *ctx, kn_piece_grid *g, const kn_spline *s);
+void kn_piece_grid_clear(kn_ctx *ctx, kn_piece_grid *g);
+
+// *bound >= |fit - S(map)| over the whole domain, rounding included; INFINITY where none was found. fit: on the knots
+// of map. sampled: a distance that occurs, 0 for none.
+kn_status kn_cells_fit_bound(kn_ctx *ctx, double *bound, const kn_spline *fit, const kn_piece_grid *surface,
+                             const kn_piece_grid *map, double sampled);
+
+#endif

@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: Apache-2.0
+// Where the search for corners begins: even lines, some of them held on knots.
+#include "cells/internal.h"
+#include "cells/relax.h"
+#include "kernel/context.h"
+#include "kernel/knots.h"
+
+#include <math.h>
+
+// The line nearest to x, between lo and hi.
+static int nearest(const double *lines, int lo, int hi, double x)
+{
+    int best = lo;
+    for (int i = lo; i <= hi; i++)
+        if (fabs(lines[i] - x) < fabs(lines[best] - x)) best = i;
+    return best;
+}
+
+// Even lines contain all knots, so that there are at least as many as spans: with fewer wanted, every k-th of more.
+// The knots in hold[] then replace the nearest of these; lines in between keep their shares.
+static kn_status start_lines(kn_ctx *ctx, double *lines, char *held, const kn_spline *surface, int var, int count,
+                             const double *hold, int nhold)
+{
+    int spans = kn_spline_spans(surface, var), every = (spans + count - 1) / count;
+    double *fine = NULL;
+    kn_status status = kn_cells_even_lines(ctx, &fine, surface, var, every * count);
+    if (status != KN_OK) return status;
+    for (int i = 0; i <= count; i++) lines[i] = fine[every * i], held[i] = 0;
+    int first = 0;
+    for (int h = 0; h <= nhold; h++) {
+        int last = h == nhold ? count : nearest(lines, first + 1, count - (nhold - h), hold[h]);
+        double from = fine[every * first], to = fine[every * last], end = h == nhold ? lines[count] : hold[h];
+        double start = lines[first];
+        for (int i = first + 1; i < last; i++) // a share of [from,to] becomes the same share of [start,end]
+            lines[i] = start + (end - start) * ((fine[every * i] - from) / (to - from));
+        lines[last] = end;
+        if (h < nhold) held[last] = 1;
+        first = last;
+    }
+    kn_free(ctx, fine);
+    return KN_OK;
+}
+
+// Interior knots where S is C1 at most, or all.
+static int knots_to_hold(double *hold, const kn_spline *surface, int var, bool all)
+{
+    int p = surface->degree[var], n = surface->count[var], found = 0;
+    const double *t = surface->knots[var];
+    for (int i = p + 1; i < n;) {
+        int times = 1;
+        while (i + times < n && t[i + times] == t[i]) times++;
+        if (all || times >= p - 1) hold[found++] = t[i];
+        i += times;
+    }
+    return found;
+}
+
+// What the mean cell measures along both variables, with the area that all cells have together.
+static kn_status wanted_size(kn_ctx *ctx, kn_corner_grid *g)
+{
+    size_t n = kn_corner_count(g), row = (size_t)g->n[1] + 1;
+    double *p = kn_scratch(ctx, n, 3 * sizeof *p), width = 0.0, height = 0.0, area = 0.0;
+    if (!p) return KN_ENOMEM;
+    kn_status status = kn_spline_eval_batch(ctx, p, g->surface, n, g->corners);
+    if (status != KN_OK) return status;
+    for (size_t i = 0; i < (size_t)g->n[0]; i++)
+        for (size_t j = 0; j < (size_t)g->n[1]; j++) {
+            const double *a = p + 3 * (i * row + j), *b = a + 3 * row, *c = a + 3, *d = b + 3;
+            double u[3], v[3];
+            for (int k = 0; k < 3; k++) {
+                u[k] = 0.5 * (b[k] + d[k] - a[k] - c[k]);
+                v[k] = 0.5 * (c[k] + d[k] - a[k] - b[k]);
+            }
+            double x = u[1] * v[2] - u[2] * v[1], y = u[2] * v[0] - u[0] * v[2], z = u[0] * v[1] - u[1] * v[0];
+            width += sqrt(u[0] * u[0] + u[1] * u[1] + u[2] * u[2]);
+            height += sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+            area += sqrt(x * x + y * y + z * z);
+        }
+    double scale = sqrt(area / width / height), cells = (double)g->n[0] * g->n[1];
+    g->size[0] = width / cells * (scale * sqrt(cells)), g->size[1] = height / cells * (scale * sqrt(cells));
+    if (!(g->size[0] > 0.0) || !(g->size[1] > 0.0) || isinf(g->size[0]) || isinf(g->size[1]))
+        return kn_fail(ctx, KN_EDOMAIN, "relax: cells of mean size %g x %g", g->size[0], g->size[1]);
+    return KN_OK;
+}
+
+kn_status kn_relax_start(kn_ctx *ctx, kn_corner_grid *g, bool all_knots)
+{
+    double *lines[2];
+    size_t row = (size_t)g->n[1] + 1;
+    g->corners = kn_scratch(ctx, kn_corner_count(g), 2 * sizeof *g->corners);
+    if (!g->corners) return KN_ENOMEM;
+    for (int d = 0; d < 2; d++) {
+        lines[d] = kn_scratch(ctx, (size_t)g->n[d] + 1, sizeof *lines[d]);
+        g->held[d] = kn_scratch(ctx, (size_t)g->n[d] + 1, 1);
+        double *hold = kn_scratch(ctx, (size_t)g->surface->count[d], sizeof *hold);
+        if (!lines[d] || !g->held[d] || !hold) return KN_ENOMEM;
+        int nhold = knots_to_hold(hold, g->surface, d, all_knots);
+        if (nhold >= g->n[d])
+            return kn_fail(ctx, KN_EDOMAIN, "relax: %d cells in variable %d, and %d knots that lines have to keep",
+                           g->n[d], d, nhold);
+        kn_status status = start_lines(ctx, lines[d], g->held[d], g->surface, d, g->n[d], hold, nhold);
+        if (status != KN_OK) return status;
+    }
+    for (int i = 0; i <= g->n[0]; i++)
+        for (int j = 0; j <= g->n[1]; j++) {
+            double *to = g->corners + 2 * ((size_t)i * row + (size_t)j);
+            to[0] = lines[0][i], to[1] = lines[1][j];
+        }
+    return wanted_size(ctx, g);
+}
