@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Small things that several parts of a shell need.
+#include "kernel/context.h"
 #include "trivar/internal.h"
 
 #include <math.h>
@@ -36,4 +37,19 @@ double kn_gamma(double k)
 {
     double ku = k * 0x1p-53;
     return ku / (1.0 - ku);
+}
+
+kn_status kn_fail_normal(kn_ctx *ctx, const kn_shell *shell, const double at[2], bool singular)
+{
+    double p[3];
+    kn_status status = kn_spline_eval(ctx, p, &shell->surface, at);
+    if (status != KN_OK) return status;
+    if (singular)
+        return kn_fail(ctx, KN_EUNDEFINED,
+                       "shell: the surface has no normal at (%.6g, %.6g), at the point (%.6g, %.6g, %.6g)", at[0],
+                       at[1], p[0], p[1], p[2]);
+    return kn_fail(ctx, KN_EUNDECIDED,
+                   "shell: could not decide whether the surface has a normal everywhere near (%.6g, %.6g), the point "
+                   "(%.6g, %.6g, %.6g)",
+                   at[0], at[1], p[0], p[1], p[2]);
 }

@@ -12,14 +12,11 @@ typedef struct values {
     const kn_shell *shell;
     const kn_grid_axis *u, *v;
     size_t room[2];
-    double *row;  // 3 x room[1] for each span in v: directions contracted at one site in u
-    double *data; // (3, sites in u, sites in v)
+    double *row;          // 3 x room[1] for each span in v: directions contracted at one site in u
+    double *data;         // (ncomp, sites in u, sites in v)
+    size_t ncomp;         // 3: unit normals, 1: 1/|factor N|
+    const double *factor; // of each span of S
 } values;
-
-static kn_status no_normal(kn_ctx *ctx, double u, double v)
-{
-    return kn_fail(ctx, KN_EUNDEFINED, "shell: the surface has no normal at (%.17g, %.17g)", u, v);
-}
 
 static double local(const double *breaks, int span, double x)
 {
@@ -40,7 +37,7 @@ static void contract_row(values *w, int i)
 }
 
 // Edge factors were divided out, so that neighbouring spans may differ in degree: each site uses its own.
-static kn_status unit_row(kn_ctx *ctx, values *w, int i)
+static kn_status value_row(kn_ctx *ctx, values *w, int i)
 {
     const kn_shell *s = w->shell;
     int columns = s->nknots[1] - 1;
@@ -49,14 +46,18 @@ static kn_status unit_row(kn_ctx *ctx, values *w, int i)
     contract_row(w, i);
     for (size_t j = 0; j < nv; j++) {
         int from = w->v->site_span[j];
-        const kn_bezier *n = &s->direction[w->u->site_span[i] * columns + from].n;
+        int span = w->u->site_span[i] * columns + from;
+        const kn_bezier *n = &s->direction[span].n;
         double d[3], square = 0.0;
         kn_bernstein_basis(basis, n->degree[1], local(s->knot[1], from, w->v->site[j]));
         kn_bernstein_contract(d, w->row + (size_t)from * 3 * w->room[1], 3, n->degree[1] + 1, 1, basis);
         double largest = fmax(fabs(d[0]), fmax(fabs(d[1]), fabs(d[2])));
-        if (!(largest > 0.0) || !isfinite(largest)) return no_normal(ctx, w->u->site[i], w->v->site[j]);
+        if (!(largest > 0.0) || !isfinite(largest))
+            return kn_fail_normal(ctx, s, (const double[2]){w->u->site[i], w->v->site[j]}, true);
         for (int c = 0; c < 3; c++) square += (d[c] / largest) * (d[c] / largest);
-        for (size_t c = 0; c < 3; c++) w->data[c * plane + (size_t)i * nv + j] = d[c] / largest / sqrt(square);
+        double *to = w->data + (size_t)i * nv + j;
+        if (w->ncomp == 1) *to = 1.0 / (w->factor[span] * largest * sqrt(square));
+        for (size_t c = 0; c < 3 && w->ncomp == 3; c++) to[c * plane] = d[c] / largest / sqrt(square);
     }
     return KN_OK;
 }
@@ -132,22 +133,24 @@ static kn_status interpolate(kn_ctx *ctx, values *w)
     bool same[2][2] = {{false}};
     kn_status status = KN_OK;
     double lo[3], hi[3];
-    for (int i = 0; i < w->u->count && status == KN_OK; i++) status = unit_row(ctx, w, i);
+    for (int i = 0; i < w->u->count && status == KN_OK; i++) status = value_row(ctx, w, i);
     if (status == KN_OK) status = kn_spline_box(ctx, lo, hi, &s->surface);
     if (status != KN_OK) return status;
     double size = fmax(hi[0] - lo[0], fmax(hi[1] - lo[1], hi[2] - lo[2]));
     for (int e = 0; e < 4; e++)
-        if (collapsed(&s->surface, e / 2, e % 2, size)) unify_edge(w, e / 2, e % 2, &same[e / 2][e % 2]);
-    status = solve(ctx, w->data, w->u, 3, nv);
-    if (status == KN_OK) status = solve(ctx, w->data, w->v, 3 * nu, 1);
+        if (w->ncomp == 3 && collapsed(&s->surface, e / 2, e % 2, size))
+            unify_edge(w, e / 2, e % 2, &same[e / 2][e % 2]);
+    status = solve(ctx, w->data, w->u, w->ncomp, nv);
+    if (status == KN_OK) status = solve(ctx, w->data, w->v, w->ncomp * nu, 1);
     for (int e = 0; e < 4 && status == KN_OK; e++)
         if (same[e / 2][e % 2]) flatten_edge(w, e / 2, e % 2);
     return status;
 }
 
-kn_status kn_fit_normal(kn_ctx *ctx, kn_spline *out, const kn_shell *shell, const kn_grid_axis axes[2])
+static kn_status fit(kn_ctx *ctx, kn_spline *out, const kn_shell *shell, const kn_grid_axis axes[2], size_t ncomp,
+                     const double *factor)
 {
-    values w = {.shell = shell, .u = &axes[0], .v = &axes[1]};
+    values w = {.shell = shell, .u = &axes[0], .v = &axes[1], .ncomp = ncomp, .factor = factor};
     for (size_t i = 0; i < shell->ndirections; i++)
         for (int v = 0; v < 2; v++) {
             size_t n = (size_t)shell->direction[i].n.degree[v] + 1;
@@ -155,13 +158,24 @@ kn_status kn_fit_normal(kn_ctx *ctx, kn_spline *out, const kn_shell *shell, cons
         }
     kn_mark mark = kn_scratch_mark(ctx);
     w.row = kn_scratch(ctx, 3 * w.room[1] * (size_t)(shell->nknots[1] - 1), sizeof *w.row);
-    w.data = kn_scratch(ctx, 3 * (size_t)axes[0].count * (size_t)axes[1].count, sizeof *w.data);
+    w.data = kn_scratch(ctx, ncomp * (size_t)axes[0].count * (size_t)axes[1].count, sizeof *w.data);
     kn_status status = w.row && w.data ? interpolate(ctx, &w) : KN_ENOMEM;
     if (status == KN_OK) {
         int degree[2] = {axes[0].degree, axes[1].degree}, count[2] = {axes[0].count, axes[1].count};
         const double *knots[2] = {axes[0].knots, axes[1].knots};
-        status = kn_spline_init(ctx, out, 2, 3, false, degree, count, knots, w.data);
+        status = kn_spline_init(ctx, out, 2, (int)ncomp, false, degree, count, knots, w.data);
     }
     kn_scratch_release(ctx, mark);
     return status;
+}
+
+kn_status kn_fit_normal(kn_ctx *ctx, kn_spline *out, const kn_shell *shell, const kn_grid_axis axes[2])
+{
+    return fit(ctx, out, shell, axes, 3, NULL);
+}
+
+kn_status kn_fit_reciprocal(kn_ctx *ctx, kn_spline *out, const kn_shell *shell, const kn_grid_axis axes[2],
+                            const double *factor)
+{
+    return fit(ctx, out, shell, axes, 1, factor);
 }

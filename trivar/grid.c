@@ -31,6 +31,17 @@ static double jump(const kn_shell *s, int var, int k)
     return worst;
 }
 
+// The largest order of a factor divided out along an end of the domain.
+static int edge_order(const kn_shell *s, int var, int end)
+{
+    int columns = s->nknots[1] - 1, along = s->nknots[1 - var] - 1, row = end ? s->nknots[var] - 2 : 0, most = 0;
+    for (int j = 0; j < along; j++) {
+        int order = s->direction[var == 0 ? row * columns + j : j * columns + row].order[var][end];
+        most = order > most ? order : most;
+    }
+    return most;
+}
+
 // An edge factor that was divided out on either side leaves nothing known of the derivatives across.
 static bool divided(const kn_shell *s, int var, int k)
 {
@@ -43,12 +54,22 @@ static bool divided(const kn_shell *s, int var, int k)
     return false;
 }
 
+// An edge factor at the far side of either span is 1 on the line, but not constant: N/x goes on with N as C0 alone.
+static bool divided_beyond(const kn_shell *s, int var, int k)
+{
+    return (k == 1 && edge_order(s, var, 0) > 0) || (k == s->nknots[var] - 2 && edge_order(s, var, 1) > 0) ||
+           (k > 1 && divided(s, var, k - 1)) || (k < s->nknots[var] - 2 && divided(s, var, k + 1));
+}
+
 // S is C^(degree - times) there and n once less. Where that says nothing, S may still be smooth as a shape, as the
-// arcs of a rational circle are: n is joined where both sides agree to a tenth of the tolerance.
+// arcs of a rational circle are: n is joined where both sides agree to a tenth of the tolerance. N m needs more, for m
+// is as smooth as N is, which knows how fast S runs and not only where.
 static int continuity(const kn_shell *s, int var, int k, int times)
 {
+    bool exact = s->method == KN_NORMAL_EXACT_DIRECTION;
     int smooth = s->surface.degree[var] - times - 1;
-    if (smooth >= 0 && !divided(s, var, k)) return smooth;
+    if (exact && !kn_lengths_continue(s, var, k)) return -1;
+    if (smooth >= 0 && !divided(s, var, k)) return exact && divided_beyond(s, var, k) ? 0 : smooth;
     return jump(s, var, k) <= 0.1 * s->normal_tol ? 0 : -1;
 }
 

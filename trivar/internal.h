@@ -61,6 +61,9 @@ int kn_interval(const double *breaks, int n, double x);
 double kn_largest_vector(const kn_bezier *b, int first, int count);
 // u-bound of k roundings: k u / (1 - k u).
 double kn_gamma(double k);
+enum { KN_LEAST_DEGREE = 3 }; // of n in one variable, or of m where n = N m
+// Records that S has no normal at a place (singular), or that it could not be decided whether it has one near it.
+kn_status kn_fail_normal(kn_ctx *ctx, const kn_shell *shell, const double at[2], bool singular);
 
 // ---- shell.c ----
 // Lines, closed directions and pieces, from the surface, the fields and the options' lines.
@@ -95,8 +98,19 @@ double kn_direction_length(double unit[3], const kn_bezier *direction, const dou
 // The unit normal alone; false (and zeros) where the direction vanishes.
 bool kn_direction_unit(double unit[3], const kn_bezier *direction, const double x[2]);
 // ---- regular.c ----
-// *regular: the direction vanishes nowhere on [0,1]^2; otherwise at[2] is within 2^-20 of a place where it does.
-kn_status kn_direction_regular(kn_ctx *ctx, bool *regular, double at[2], const kn_direction *d);
+typedef enum kn_regularity {
+    KN_REGULAR,  // the direction vanishes nowhere on [0,1]^2
+    KN_SINGULAR, // it does within 2^-20 of at[2]
+    KN_UNDECIDED // the work ran out at at[2]
+} kn_regularity;
+// *work: what is left of it, in multiply-adds; the first halvings are free.
+kn_status kn_direction_regular(kn_ctx *ctx, kn_regularity *answer, double at[2], const kn_direction *d, double *work);
+// ---- directions.c ----
+#define KN_REGULAR_WORK 2e8 // for a whole surface: some tenths of a second
+// direction[], one for each span; refuses a surface without area or without a normal.
+kn_status kn_shell_make_directions(kn_ctx *ctx, kn_shell *shell);
+// Lowers *max_degree, of n or of m, to what the certificates can multiply.
+kn_status kn_shell_limit_degree(kn_ctx *ctx, int *max_degree, const kn_shell *shell);
 
 // ---- certify.c ----
 typedef struct kn_certify_options {
@@ -158,5 +172,24 @@ kn_status kn_refine_normal(kn_ctx *ctx, kn_shell *shell, int max_degree, int max
 // *out = a polynomial of degrees a + b <= degree_sum that meets limit on [0,1]^2; *fits tells whether there is one.
 kn_status kn_stand_in(kn_ctx *ctx, kn_bezier *out, kn_normal_certificate *certificate, bool *fits,
                       const kn_bezier *direction, double direction_error, double limit, int degree_sum);
+
+// ---- jacobian_terms.c ----
+enum { KN_BOX_TERMS = 4, KN_BOX_POWERS = KN_MAX_COMPS };
+// T over one box, [0,1]^nvars in what follows: nvars 2, S + sum_t term[t] w^power[t], term[0] being S; or a volume.
+typedef struct kn_box_map {
+    int nvars, nterms, power[KN_BOX_TERMS];
+    kn_bezier term[KN_BOX_TERMS]; // three components each; of a rational S the numerator P of P/weight
+    kn_bezier weight;             // empty: polynomial
+    double error[KN_BOX_TERMS];   // of every coefficient vector
+    double weight_error, weight_size;
+    double width[3], span[3]; // of the box and of the whole domain, in the parameters of T
+    double size;              // of S, wherever it lies
+} kn_box_map;
+// *out: its j, error, denominator, and where `divided` also order and flat; the rest is left as it is.
+kn_status kn_jacobian_of(kn_ctx *ctx, kn_shell_jacobian_piece *out, const kn_box_map *map, bool divided);
+// ---- jacobian_piece.c ----
+// kn_shell_jacobian_piece_init; not divided: det itself, poles and all.
+kn_status kn_jacobian_box(kn_ctx *ctx, kn_shell_jacobian_piece *out, const kn_shell *shell, const int at[3],
+                          bool divided);
 
 #endif

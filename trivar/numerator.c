@@ -12,7 +12,7 @@ void kn_direction_clear(kn_ctx *ctx, kn_direction *d)
     *d = (kn_direction){0};
 }
 
-bool kn_direction_unit(double unit[3], const kn_bezier *direction, const double x[2])
+double kn_direction_length(double unit[3], const kn_bezier *direction, const double x[2])
 {
     double bu[KN_MAX_DEGREE + 1], bv[KN_MAX_DEGREE + 1], row[3 * (KN_MAX_DEGREE + 1)];
     int mu = direction->degree[0] + 1, mv = direction->degree[1] + 1;
@@ -26,8 +26,14 @@ bool kn_direction_unit(double unit[3], const kn_bezier *direction, const double 
         unit[c] = there ? unit[c] / largest : 0.0;
         length += unit[c] * unit[c];
     }
-    for (int c = 0; c < 3 && there; c++) unit[c] /= sqrt(length);
-    return there;
+    length = sqrt(length);
+    for (int c = 0; c < 3 && there; c++) unit[c] /= length;
+    return there ? largest * length : 0.0;
+}
+
+bool kn_direction_unit(double unit[3], const kn_bezier *direction, const double x[2])
+{
+    return kn_direction_length(unit, direction, x) > 0.0;
 }
 
 // ---- S_u x S_v; for S = P/W the numerator W (P_u x P_v) - W_v (P_u x P) - W_u (P x P_v) over W^3 ----
@@ -35,27 +41,29 @@ bool kn_direction_unit(double unit[3], const kn_bezier *direction, const double 
 enum { P, PU, PV, W, WU, WV, T1, T2, NTEMP };
 
 // Times a power of two, so that the largest coefficient is near 1: products of what follows then neither overflow nor
-// underflow, which no bound of rounding here accounts for. The direction does not change.
-static void normalise(kn_bezier *b)
+// underflow, which no bound of rounding here accounts for. The direction does not change. Answers the exponent.
+static int normalise(kn_bezier *b)
 {
     size_t n = kn_bezier_count(b) * (size_t)b->ncomp;
     double largest = 0.0;
-    int exponent;
+    int exponent = 0;
     for (size_t i = 0; i < n; i++) largest = fmax(largest, fabs(b->coef[i]));
-    if (!(largest > 0.0) || !isfinite(largest)) return;
+    if (!(largest > 0.0) || !isfinite(largest)) return 0;
     (void)frexp(largest, &exponent);
     for (size_t i = 0; i < n; i++) b->coef[i] = ldexp(b->coef[i], -exponent);
+    return exponent;
 }
 
-static kn_status factors(kn_ctx *ctx, kn_bezier *t, const kn_bezier *piece)
+// *exponent: of two, by which the numerator of these is too small.
+static kn_status factors(kn_ctx *ctx, kn_bezier *t, int *exponent, const kn_bezier *piece)
 {
     kn_status status = kn_bezier_components(ctx, &t[P], piece, 0, 3);
-    if (status == KN_OK) normalise(&t[P]);
+    if (status == KN_OK) *exponent = 2 * normalise(&t[P]);
     if (status == KN_OK) status = kn_bezier_derivative(ctx, &t[PU], &t[P], 0);
     if (status == KN_OK) status = kn_bezier_derivative(ctx, &t[PV], &t[P], 1);
     if (status != KN_OK || !piece->rational) return status;
     status = kn_bezier_components(ctx, &t[W], piece, 3, 1);
-    if (status == KN_OK) normalise(&t[W]);
+    if (status == KN_OK) *exponent += normalise(&t[W]);
     if (status == KN_OK) status = kn_bezier_derivative(ctx, &t[WU], &t[W], 0);
     if (status == KN_OK) status = kn_bezier_derivative(ctx, &t[WV], &t[W], 1);
     return status;
@@ -145,7 +153,7 @@ kn_status kn_direction_init(kn_ctx *ctx, kn_direction *out, bool *zero, const kn
 {
     kn_bezier t[NTEMP] = {0};
     kn_direction d = {0};
-    kn_status status = factors(ctx, t, piece);
+    kn_status status = factors(ctx, t, &d.exponent, piece);
     if (status == KN_OK) status = numerator(ctx, &d.n, t, piece->rational);
     if (status == KN_OK) {
         d.error = numerator_error(t, piece, acting, piece->rational);

@@ -7,14 +7,13 @@
 #include <math.h>
 #include <string.h>
 
-enum { LOWEST_DEGREE = 3, MOST_SPANS = 1 << 20 };
+enum { MOST_SPANS = 1 << 20 };
 
 typedef struct refinement {
     kn_shell *shell;
     int max_degree, max_spans;
     kn_grid_axis axes[2];
-    kn_bezier *box; // the direction over each span of n, last variable fastest
-    double *box_error;
+    kn_direction_box *box; // the direction over each span of n, last variable fastest
     size_t nboxes;
 } refinement;
 
@@ -41,10 +40,9 @@ static void candidate_clear(kn_ctx *ctx, candidate *c)
 
 static void clear_boxes(kn_ctx *ctx, refinement *r)
 {
-    for (size_t i = 0; i < r->nboxes; i++) kn_bezier_clear(ctx, &r->box[i]);
+    for (size_t i = 0; i < r->nboxes; i++) kn_bezier_clear(ctx, &r->box[i].n);
     kn_free(ctx, r->box);
-    kn_free(ctx, r->box_error);
-    r->box = NULL, r->box_error = NULL, r->nboxes = 0;
+    r->box = NULL, r->nboxes = 0;
 }
 
 static kn_status make_box(kn_ctx *ctx, refinement *r, int i, int j)
@@ -60,13 +58,11 @@ static kn_status make_box(kn_ctx *ctx, refinement *r, int i, int j)
         lo[v] = (cut[0] - knot[0]) / (knot[1] - knot[0]);
         hi[v] = (cut[1] - knot[0]) / (knot[1] - knot[0]);
     }
-    const kn_direction *d = &s->direction[from[0] * (s->nknots[1] - 1) + from[1]];
-    size_t k = (size_t)i * (size_t)(r->axes[1].ncuts - 1) + (size_t)j;
-    kn_status status = kn_bezier_restrict(ctx, &r->box[k], &d->n, lo, hi);
-    if (status == KN_OK)
-        r->box_error[k] = d->error +
-                          kn_gamma(8.0 * (d->n.degree[0] + d->n.degree[1] + 4)) * kn_largest_vector(&d->n, 0, 3);
-    return status;
+    kn_direction_box *box = &r->box[(size_t)i * (size_t)(r->axes[1].ncuts - 1) + (size_t)j];
+    box->span = (size_t)(from[0] * (s->nknots[1] - 1) + from[1]);
+    const kn_direction *d = &s->direction[box->span];
+    box->error = d->error + kn_gamma(8.0 * (d->n.degree[0] + d->n.degree[1] + 4)) * kn_largest_vector(&d->n, 0, 3);
+    return kn_bezier_restrict(ctx, &box->n, &d->n, lo, hi);
 }
 
 static kn_status make_boxes(kn_ctx *ctx, refinement *r)
@@ -75,8 +71,7 @@ static kn_status make_boxes(kn_ctx *ctx, refinement *r)
     int nu = r->axes[0].ncuts - 1, nv = r->axes[1].ncuts - 1;
     size_t n = (size_t)nu * (size_t)nv;
     r->box = kn_alloc_zero(ctx, n, sizeof *r->box);
-    r->box_error = kn_alloc(ctx, n, sizeof *r->box_error);
-    if (!r->box || !r->box_error) return KN_ENOMEM;
+    if (!r->box) return KN_ENOMEM;
     r->nboxes = n;
     kn_status status = KN_OK;
     for (int i = 0; i < nu && status == KN_OK; i++)
@@ -92,7 +87,10 @@ static kn_status fit(kn_ctx *ctx, candidate *c, refinement *r, const int degree[
     kn_status status = KN_OK;
     for (int v = 0; v < 2 && status == KN_OK; v++)
         status = kn_grid_set_degree(ctx, &r->axes[v], degree[v], s->knot[v], s->nknots[v]);
-    if (status == KN_OK) status = kn_fit_normal(ctx, &c->n, s, r->axes);
+    if (status == KN_OK && s->method == KN_NORMAL_EXACT_DIRECTION)
+        status = kn_fit_exact_direction(ctx, &c->n, s, r->axes, r->box);
+    else if (status == KN_OK)
+        status = kn_fit_normal(ctx, &c->n, s, r->axes);
     if (status == KN_OK) status = kn_spline_to_bezier(ctx, &c->pieces, &c->npieces, &c->n);
     if (status != KN_OK) return status;
     c->certificates = kn_alloc_zero(ctx, c->npieces, sizeof *c->certificates);
@@ -105,7 +103,7 @@ static void sample(candidate *c, const refinement *r, bool all)
 {
     double tol = r->shell->normal_tol, length, angle;
     for (size_t i = 0; i < c->npieces && (all || c->nfailed == 0); i++) {
-        kn_sample_errors(&length, &angle, &c->pieces[i], &r->box[i]);
+        kn_sample_errors(&length, &angle, &c->pieces[i], &r->box[i].n);
         c->failed[i] = !(length <= tol && angle <= tol);
         c->nfailed += (size_t)c->failed[i];
         c->worst.length_error = fmax(c->worst.length_error, length);
@@ -125,9 +123,9 @@ static kn_status certify(kn_ctx *ctx, candidate *c, const refinement *r, bool al
     o.normal_error = 2.0 * largest * kn_gamma(16.0 * (c->n.degree[0] + c->n.degree[1] + 2));
     c->worst = (kn_normal_certificate){.certified = true};
     for (size_t i = 0; i < c->npieces && (all || c->nfailed == 0); i++) {
-        o.direction_error = r->box_error[i];
+        o.direction_error = r->box[i].error;
         kn_normal_certificate *here = &c->certificates[i];
-        kn_status status = kn_certify(ctx, here, &c->pieces[i], &r->box[i], &o);
+        kn_status status = kn_certify(ctx, here, &c->pieces[i], &r->box[i].n, &o);
         if (status != KN_OK) return status;
         c->failed[i] = !here->certified;
         c->nfailed += (size_t)c->failed[i];
@@ -140,16 +138,22 @@ static kn_status certify(kn_ctx *ctx, candidate *c, const refinement *r, bool al
 // ---- where to put more lines ----
 
 // The difference of order degree + 1 of the unit normal at equal steps across the box in variable var: what a
-// polynomial of that degree leaves over, up to a factor that both variables share.
-static double left_over(const kn_bezier *direction, int degree, int var)
+// polynomial of that degree leaves over, up to a factor that both variables share. Of N m, instead, that of 1/|N|
+// over 1/|N| at the last step.
+static double left_over(const refinement *r, const kn_bezier *direction, int degree, int var)
 {
     double worst = 0.0;
     for (int line = 0; line < 3; line++) {
-        double f[KN_MAX_DEGREE + 2][3], x[2], square = 0.0;
+        double f[KN_MAX_DEGREE + 2][3], x[2], square = 0.0, length[KN_MAX_DEGREE + 2];
         x[1 - var] = 0.5 * line;
         for (int k = 0; k <= degree + 1; k++) {
             x[var] = (double)k / (degree + 1);
-            if (!kn_direction_unit(f[k], direction, x)) return INFINITY;
+            length[k] = kn_direction_length(f[k], direction, x);
+            if (!(length[k] > 0.0)) return INFINITY;
+        }
+        for (int k = 0; k <= degree + 1 && r->shell->method == KN_NORMAL_EXACT_DIRECTION; k++) {
+            f[k][0] = length[degree + 1] / length[k];
+            f[k][1] = f[k][2] = 0.0;
         }
         for (int round = 0; round <= degree; round++)
             for (int k = 0; k <= degree - round; k++)
@@ -181,7 +185,8 @@ static size_t choose(const refinement *r, const candidate *c, char *const split[
     size_t nv = (size_t)r->axes[1].ncuts - 1;
     for (size_t i = 0; i < c->npieces; i++) {
         if (!c->failed[i]) continue;
-        double u = left_over(&r->box[i], r->max_degree, 0), v = left_over(&r->box[i], r->max_degree, 1);
+        const kn_bezier *d = &r->box[i].n;
+        double u = left_over(r, d, r->max_degree, 0), v = left_over(r, d, r->max_degree, 1);
         double eu = u * weight[0], ev = v * weight[1];
         if (to_blame_only && eu <= half && ev <= half) continue;
         chosen++;
@@ -217,7 +222,7 @@ static bool below_rounding(const refinement *r, const candidate *c)
     double tol = r->shell->normal_tol;
     if (tol < 1e-12) return true;
     for (size_t i = 0; i < c->npieces; i++)
-        if (c->failed[i] && r->box_error[i] > 0.5 * tol * kn_largest_vector(&r->box[i], 0, 3)) return true;
+        if (c->failed[i] && r->box[i].error > 0.5 * tol * kn_largest_vector(&r->box[i].n, 0, 3)) return true;
     return false;
 }
 
@@ -265,11 +270,11 @@ static kn_status lower_degrees(kn_ctx *ctx, candidate *best, bool *found, refine
     int top = r->max_degree;
     kn_status status = KN_OK;
     *found = false;
-    for (int sum = 2 * LOWEST_DEGREE; sum < 2 * top; sum++)
-        for (int difference = sum % 2; difference <= top - LOWEST_DEGREE; difference += 2)
+    for (int sum = 2 * KN_LEAST_DEGREE; sum < 2 * top; sum++)
+        for (int difference = sum % 2; difference <= top - KN_LEAST_DEGREE; difference += 2)
             for (int k = 0; k < (difference > 0 ? 2 : 1); k++) {
                 int low = (sum - difference) / 2, high = (sum + difference) / 2;
-                if (low < LOWEST_DEGREE || high > top || *found || status != KN_OK) continue;
+                if (low < KN_LEAST_DEGREE || high > top || *found || status != KN_OK) continue;
                 const int degree[2] = {k == 0 ? high : low, k == 0 ? low : high};
                 status = try_degrees(ctx, best, found, r, degree);
             }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Does a direction vanish somewhere? Coefficients against their mean direction, with subdivision where undecided.
+// Wild surfaces, whose direction turns many times, need more boxes than anyone wants to wait for: work is limited.
 #include "kernel/bernstein.h"
 #include "kernel/context.h"
 #include "trivar/internal.h"
@@ -7,7 +8,7 @@
 #include <math.h>
 #include <string.h>
 
-enum { DEPTH = 52 };
+enum { DEPTH = 52, FREE = 16 }; // FREE: halvings of each span that do not count as work
 
 // n vanishes nowhere where all its coefficients lie strictly on one side of a plane through the origin.
 static bool one_sided(const double *n, size_t count, double error)
@@ -24,41 +25,68 @@ static bool one_sided(const double *n, size_t count, double error)
     return true;
 }
 
-// Depth first, on a stack of one pair of halves for each level.
-kn_status kn_direction_regular(kn_ctx *ctx, bool *regular, double at[2], const kn_direction *d)
+typedef struct stack {
+    double *data; // level k >= 1 keeps its halves at 2k - 1 (first) and 2k (second); level 0 is the whole
+    size_t size;
+    int mu, mv, depth;
+    double lo[DEPTH + 1][2], width[2];
+    bool second[DEPTH + 1];
+} stack;
+
+static double *top(const stack *s)
 {
-    size_t count = kn_bezier_count(&d->n), size = 3 * count;
-    int mu = d->n.degree[0], mv = d->n.degree[1], depth = 0;
-    double lo[DEPTH + 1][2] = {{0}}, width[2] = {1.0, 1.0};
-    bool second[DEPTH + 1] = {false};
-    double error = d->error + kn_gamma(4.0 * (mu + mv + 2) * DEPTH) * kn_largest_vector(&d->n, 0, 3);
+    return s->data + (s->depth == 0 ? 0 : (size_t)(2 * s->depth - (s->second[s->depth] ? 0 : 1))) * s->size;
+}
+
+static void descend(stack *s)
+{
+    int var = s->depth % 2;
+    double *first = s->data + (size_t)(2 * s->depth + 1) * s->size;
+    if (var == 0) kn_bernstein_split(first, first + s->size, top(s), 3, s->mu, (size_t)s->mv + 1, 0.5);
+    if (var == 1) kn_bernstein_split(first, first + s->size, top(s), 3 * ((size_t)s->mu + 1), s->mv, 1, 0.5);
+    memcpy(s->lo[s->depth + 1], s->lo[s->depth], sizeof s->lo[0]);
+    s->width[var] *= 0.5;
+    s->second[++s->depth] = false;
+}
+
+// False when this was the last box.
+static bool advance(stack *s)
+{
+    while (s->depth > 0 && s->second[s->depth]) s->width[--s->depth % 2] *= 2.0;
+    if (s->depth == 0) return false;
+    int var = (s->depth - 1) % 2;
+    s->second[s->depth] = true;
+    s->lo[s->depth][var] += s->width[var];
+    return true;
+}
+
+static void place(double at[2], const stack *s)
+{
+    for (int v = 0; v < 2; v++) at[v] = s->lo[s->depth][v] + 0.5 * s->width[v];
+}
+
+kn_status kn_direction_regular(kn_ctx *ctx, kn_regularity *answer, double at[2], const kn_direction *d, double *work)
+{
+    size_t count = kn_bezier_count(&d->n);
+    stack s = {.size = 3 * count, .mu = d->n.degree[0], .mv = d->n.degree[1], .width = {1.0, 1.0}};
+    double error = d->error + kn_gamma(4.0 * (s.mu + s.mv + 2) * DEPTH) * kn_largest_vector(&d->n, 0, 3);
     kn_mark mark = kn_scratch_mark(ctx);
-    double *stack = kn_scratch(ctx, (2 * DEPTH + 1) * size, sizeof *stack);
-    if (!stack) return KN_ENOMEM;
-    memcpy(stack, d->n.coef, size * sizeof *stack);
-    *regular = true;
-    // Level k >= 1 keeps its halves at 2k - 1 (first) and 2k (second); level 0 is the whole.
-    for (;;) {
-        double *now = stack + (depth == 0 ? 0 : (size_t)(2 * depth - (second[depth] ? 0 : 1))) * size;
-        if (!one_sided(now, count, error)) {
-            if (depth == DEPTH) {
-                *regular = false;
-                for (int v = 0; v < 2; v++) at[v] = lo[depth][v] + 0.5 * width[v];
-                break;
-            }
-            int var = depth % 2;
-            double *first = stack + (size_t)(2 * depth + 1) * size;
-            if (var == 0) kn_bernstein_split(first, first + size, now, 3, mu, (size_t)mv + 1, 0.5);
-            if (var == 1) kn_bernstein_split(first, first + size, now, 3 * ((size_t)mu + 1), mv, 1, 0.5);
-            memcpy(lo[depth + 1], lo[depth], sizeof lo[0]);
-            width[var] *= 0.5;
-            second[++depth] = false;
+    s.data = kn_scratch(ctx, (2 * DEPTH + 1) * s.size, sizeof *s.data);
+    if (!s.data) return KN_ENOMEM;
+    memcpy(s.data, d->n.coef, s.size * sizeof *s.data);
+    *answer = KN_REGULAR;
+    for (int splits = 0;;) {
+        if (one_sided(top(&s), count, error)) {
+            if (!advance(&s)) break;
             continue;
         }
-        while (depth > 0 && second[depth]) width[--depth % 2] *= 2.0;
-        if (depth == 0) break;
-        second[depth] = true;
-        lo[depth][(depth - 1) % 2] += width[(depth - 1) % 2];
+        if (s.depth == DEPTH || *work < 0.0) {
+            *answer = s.depth == DEPTH ? KN_SINGULAR : KN_UNDECIDED;
+            place(at, &s);
+            break;
+        }
+        if (splits++ >= FREE) *work -= 0.5 * (double)s.size * (s.depth % 2 == 0 ? s.mu : s.mv);
+        descend(&s);
     }
     kn_scratch_release(ctx, mark);
     return KN_OK;

@@ -8,11 +8,11 @@
 #include <string.h>
 
 static const double default_tol = 1e-6;
-enum { DEFAULT_DEGREE = 5, DEFAULT_SPANS = 4096, LEAST_DEGREE = 3, HIGHEST_DEGREE = 12 };
+enum { DEFAULT_DEGREE = 5, DEFAULT_SPANS = 4096, HIGHEST_DEGREE = 12 };
 
 kn_shell_options kn_shell_defaults(void)
 {
-    return (kn_shell_options){.normal_tol = default_tol, .max_degree = DEFAULT_DEGREE, .max_spans = DEFAULT_SPANS};
+    return (kn_shell_options){.normal_tol = default_tol, .max_spans = DEFAULT_SPANS};
 }
 
 // ---- life ----
@@ -61,8 +61,8 @@ static kn_status check(kn_ctx *ctx, const kn_spline *s, const kn_shell_options *
                        kn_spline_dim(s));
     if (s->degree[0] < 1 || s->degree[1] < 1)
         return kn_fail(ctx, KN_EDOMAIN, "shell: degrees %d, %d: no surface", s->degree[0], s->degree[1]);
-    if (o->max_degree < LEAST_DEGREE)
-        return kn_fail(ctx, KN_EDOMAIN, "shell: max_degree %d, at least %d", o->max_degree, (int)LEAST_DEGREE);
+    if (o->max_degree < KN_LEAST_DEGREE)
+        return kn_fail(ctx, KN_EDOMAIN, "shell: max_degree %d, at least %d", o->max_degree, (int)KN_LEAST_DEGREE);
     if (o->max_degree > HIGHEST_DEGREE)
         return kn_fail(ctx, KN_ELIMIT, "shell: max_degree %d above %d", o->max_degree, (int)HIGHEST_DEGREE);
     return KN_OK;
@@ -72,8 +72,10 @@ kn_status kn_shell_resolve(kn_ctx *ctx, kn_shell_options *out, const kn_shell_op
 {
     kn_shell_options o = options ? *options : kn_shell_defaults();
     if (o.normal_tol == 0.0) o.normal_tol = default_tol;
-    if (o.max_degree == 0) o.max_degree = DEFAULT_DEGREE;
+    if (o.max_degree == 0) o.max_degree = o.normal == KN_NORMAL_FITTED ? DEFAULT_DEGREE : KN_LEAST_DEGREE;
     if (o.max_spans == 0) o.max_spans = DEFAULT_SPANS;
+    if (o.normal != KN_NORMAL_FITTED && o.normal != KN_NORMAL_EXACT_DIRECTION)
+        return kn_fail(ctx, KN_EDOMAIN, "shell: normal %d is no method", (int)o.normal);
     if (!(o.normal_tol > 0.0 && o.normal_tol < 0.5))
         return kn_fail(ctx, KN_EDOMAIN, "shell: normal_tol %g", o.normal_tol);
     if (o.max_spans < 1) return kn_fail(ctx, KN_EDOMAIN, "shell: max_spans %d", o.max_spans);
@@ -182,65 +184,6 @@ kn_status kn_shell_set_grid(kn_ctx *ctx, kn_shell *shell, const kn_shell_options
     return KN_OK;
 }
 
-// ---- directions ----
-
-// The largest vector and the largest weight of the control points that act on span i, j of S.
-static void find_acting(double acting[2], const kn_shell *s, size_t i, size_t j)
-{
-    const kn_spline *f = &s->surface;
-    size_t count = kn_spline_count(f), at[2] = {i, j}, first[2];
-    acting[0] = acting[1] = 0.0;
-    for (int v = 0; v < 2; v++)
-        first[v] = (size_t)(kn_knots_span(f->knots[v], f->degree[v], f->count[v], s->knot[v][at[v]]) - f->degree[v]);
-    for (size_t a = first[0]; a <= first[0] + (size_t)f->degree[0]; a++)
-        for (size_t b = first[1]; b <= first[1] + (size_t)f->degree[1]; b++) {
-            const double *c = f->coef + a * (size_t)f->count[1] + b;
-            acting[0] = fmax(acting[0], hypot(hypot(c[0], c[count]), c[2 * count]));
-            if (f->rational) acting[1] = fmax(acting[1], c[3 * count]);
-        }
-}
-
-static kn_status make_directions(kn_ctx *ctx, kn_shell *s)
-{
-    size_t columns = (size_t)s->nknots[1] - 1, flat = 0;
-    s->direction = kn_alloc_zero(ctx, s->nspans, sizeof *s->direction);
-    if (!s->direction) return KN_ENOMEM;
-    s->ndirections = s->nspans;
-    for (size_t i = 0; i < s->nspans; i++) {
-        bool zero = false, regular = true;
-        double at[2], acting[2];
-        const double *ku = s->knot[0] + i / columns, *kv = s->knot[1] + i % columns;
-        find_acting(acting, s, i / columns, i % columns);
-        kn_status status = kn_direction_init(ctx, &s->direction[i], &zero, &s->span[i], acting);
-        if (status == KN_OK && !zero) status = kn_direction_regular(ctx, &regular, at, &s->direction[i]);
-        if (status != KN_OK) return status;
-        flat += zero;
-        if (zero && i > flat - 1)
-            return kn_fail(ctx, KN_EDOMAIN, "shell: the surface has no area on [%g, %g] x [%g, %g]", ku[0], ku[1],
-                           kv[0], kv[1]);
-        if (!regular)
-            return kn_fail(ctx, KN_EUNDEFINED, "shell: the surface has no normal at (%.6g, %.6g)",
-                           ku[0] + at[0] * (ku[1] - ku[0]), kv[0] + at[1] * (kv[1] - kv[0]));
-    }
-    if (flat == s->nspans) return kn_fail(ctx, KN_EDOMAIN, "shell: the surface has zero area");
-    if (flat > 0) return kn_fail(ctx, KN_EDOMAIN, "shell: the surface has no area on its first %zu spans", flat);
-    return KN_OK;
-}
-
-// The certificate multiplies n with the direction: their degrees together stay within KN_MAX_DEGREE.
-static kn_status limit_degree(kn_ctx *ctx, int *max_degree, const kn_shell *s)
-{
-    for (size_t i = 0; i < s->ndirections; i++)
-        for (int v = 0; v < 2; v++) {
-            int degree = s->direction[i].n.degree[v], room = KN_MAX_DEGREE - degree;
-            if (room < LEAST_DEGREE)
-                return kn_fail(ctx, KN_ELIMIT, "shell: the normal's direction has degree %d in variable %d, above %d",
-                               degree, v, KN_MAX_DEGREE - LEAST_DEGREE);
-            if (*max_degree > room) *max_degree = room;
-        }
-    return KN_OK;
-}
-
 kn_status kn_shell_create(kn_ctx *ctx, kn_shell **out, const kn_spline *surface, const kn_shell_options *options)
 {
     kn_shell_options o;
@@ -249,13 +192,14 @@ kn_status kn_shell_create(kn_ctx *ctx, kn_shell **out, const kn_spline *surface,
     if (status != KN_OK) return status;
     kn_shell *s = kn_alloc_zero(ctx, 1, sizeof *s);
     if (!s) return KN_ENOMEM;
+    s->method = o.normal;
     s->normal_tol = o.normal_tol;
     status = kn_spline_copy(ctx, &s->surface, surface);
     if (status == KN_OK) status = kn_shell_take_fields(ctx, s, &o);
     if (status == KN_OK) status = kn_shell_set_grid(ctx, s, &o);
     if (status == KN_OK && s->kind == KN_SHELL_NORMAL) {
-        status = make_directions(ctx, s);
-        if (status == KN_OK) status = limit_degree(ctx, &o.max_degree, s);
+        status = kn_shell_make_directions(ctx, s);
+        if (status == KN_OK) status = kn_shell_limit_degree(ctx, &o.max_degree, s);
         if (status == KN_OK) status = kn_refine_normal(ctx, s, o.max_degree, o.max_spans);
     }
     if (status == KN_OK)
