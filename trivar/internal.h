@@ -174,7 +174,7 @@ kn_status kn_stand_in(kn_ctx *ctx, kn_bezier *out, kn_normal_certificate *certif
                       const kn_bezier *direction, double direction_error, double limit, int degree_sum);
 
 // ---- jacobian_terms.c ----
-enum { KN_BOX_TERMS = 4, KN_BOX_POWERS = KN_MAX_COMPS };
+enum { KN_BOX_TERMS = 4, KN_BOX_POWERS = KN_MAX_DEGREE + 1 };
 // T over one box, [0,1]^nvars in what follows: nvars 2, S + sum_t term[t] w^power[t], term[0] being S; or a volume.
 typedef struct kn_box_map {
     int nvars, nterms, power[KN_BOX_TERMS];

@@ -244,10 +244,47 @@ KN_API KN_CHECKED kn_status kn_shell_map_normal_estimate(kn_ctx *ctx, double out
 
 // ---- the Jacobian ----
 
-// det dT/d(u,v,w) = sum_k J_k(u,v) w^k. *coefficients: n splines over (u,v) with one component; of a rational T each
-// is the numerator over one positive power of the weight, *weight_power, to be divided out. kn_spline_clear, kn_free.
+// Common to the functions of this part: J is that of T as the shell holds it (n fitted, fields exact). An edge of a box
+// along which a derivative of S, times the width of the domain, is below 1e-12 of S's size counts as collapsed to a
+// point, and n's and the fields' derivatives along it that are as small count as 0: what is certified then is said of
+// the surface with this edge collapsed exactly.
+
+// det dT/d(u,v,w) = sum_k J_k(u,v) w^k, or of a volume one J_0(u,v,w).
+// out:    *coefficients: *n splines with one component, kn_spline_clear each, kn_free; those of one shell share their
+//         degrees and knots. Knots are those of S, n and fields, each degree + 1 times: J may jump there (the
+//         derivatives of n and S do). Of a rational T each is the numerator over W^*weight_power, W the weight of S
+//         (of the volume): 3, of a volume 4, else 0.
+// fails:  KN_ELIMIT (degrees: 2 p + q - 1 and 3 q - 1, p that of S and q the highest of h n and the fields, of a
+//         rational S 3 p + 3 q - 1, of a volume 3 p - 1, rational 4 p; powers: 3 attraction_power above 57),
+//         KN_ENOMEM, KN_ECANCELLED; outputs unchanged.
+// error:  kn_shell_jacobian_piece.error of the box, before factors are divided out.
+// cost:   about 100 us for each span of n.
 KN_API KN_CHECKED kn_status kn_shell_jacobian(kn_ctx *ctx, kn_spline **coefficients, int *n, int *weight_power,
                                               const kn_shell *shell);
+
+// The boxes on which T is one polynomial or rational piece: between neighbouring knots of S, n and the fields, of a
+// volume also in w (boxes[2], else 1).
+KN_API void kn_shell_jacobian_grid(const kn_shell *shell, int boxes[3]);
+// J over one of them. With x in [0,1]^nvars over [lo,hi]
+//     det = f(x) sum_k w^k j_k(x) / d(x),  f = prod_v x_v^order[v][0] (1 - x_v)^order[v][1] >= 0,
+// j_k the components of j, bivariate, or of a volume det = f j_0 / d, in three variables. What vanishes at a pole for
+// all w is in f, so that j tells whether T folds there.
+typedef struct kn_shell_jacobian_piece {
+    int cell[2];         // of the shell, in which the box lies
+    double lo[3], hi[3]; // in the parameters of T; in w from -INFINITY to INFINITY unless T is a volume
+    kn_bezier j;
+    double error[KN_MAX_COMPS]; // bound of the error of every coefficient of j_k
+    kn_bezier denominator;      // d: one component, j's degrees, positive; empty: 1
+    int order[3][2];
+    bool flat[3][2]; // j_0 alone vanishes along this edge, where its coefficients are 0 exactly: an apex
+} kn_shell_jacobian_piece;
+// out:    *out is overwritten, not cleared: kn_shell_jacobian_piece_clear.
+// fails:  KN_EDOMAIN (no such box), and as kn_shell_jacobian; out unchanged.
+// error:  `error`: of the exact sum of products of the coefficients of S, n and the fields, about 1e-13 of the
+//         product of the largest |n|, |S_u| and |S_v|, and so for the other powers (docs/numerics.md, "shell").
+KN_API KN_CHECKED kn_status kn_shell_jacobian_piece_init(kn_ctx *ctx, kn_shell_jacobian_piece *out,
+                                                         const kn_shell *shell, const int box[3]);
+KN_API void kn_shell_jacobian_piece_clear(kn_ctx *ctx, kn_shell_jacobian_piece *piece);
 
 #ifdef __cplusplus
 }
