@@ -5,6 +5,8 @@
 
 #include <knurl/cells.h>
 
+#include <math.h>
+
 enum { KN_CELLS_POINTS = 12 }; // the most of a rule
 
 // KN_OK for a surface in space that kn_spline_check accepts.
@@ -25,5 +27,17 @@ void kn_cells_share(int *parts, const double *sums, int spans, int count);
 
 // The distinct knots of variable var, *n of them, in scratch; NULL: no memory.
 double *kn_cells_breaks(kn_ctx *ctx, int *n, const kn_spline *surface, int var);
+
+static inline double kn_cells_norm(const double *a)
+{
+    return sqrt(a[0] * a[0] + a[1] * a[1] + a[2] * a[2]);
+}
+
+// |a x b|
+static inline double kn_cells_area(const double *a, const double *b)
+{
+    const double cross[3] = {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+    return kn_cells_norm(cross);
+}
 
 #endif

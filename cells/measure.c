@@ -59,17 +59,6 @@ static kn_status make_rule(kn_ctx *ctx, rule *r, const kn_spline *surface, int v
     return KN_OK;
 }
 
-static double norm(const double *a)
-{
-    return sqrt(a[0] * a[0] + a[1] * a[1] + a[2] * a[2]);
-}
-
-static double area(const double *a, const double *b)
-{
-    const double cross[3] = {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-    return norm(cross);
-}
-
 // Room for a block of points and of values with their first partials.
 typedef struct block {
     double *at, *value;
@@ -96,7 +85,7 @@ static kn_status measure_lengths(kn_ctx *ctx, double *length, const kn_spline *s
         kn_status status = kn_spline_eval_batch_partials(ctx, b->value, surface, (size_t)n, b->at);
         if (status != KN_OK) return status;
         for (int k = 0; k < n; k++)
-            length[along->cell[from + k]] += along->w[from + k] * norm(b->value + 9 * k + 3 * (1 + var));
+            length[along->cell[from + k]] += along->w[from + k] * kn_cells_norm(b->value + 9 * k + 3 * (1 + var));
     }
     return KN_OK;
 }
@@ -131,7 +120,7 @@ static kn_status measure_areas(kn_ctx *ctx, double *value, const kn_spline *surf
             if (status != KN_OK) return status;
             for (int k = 0; k < n; k++)
                 row[rules[1].cell[from + k]] += rules[0].w[i] * rules[1].w[from + k] *
-                                                area(b->value + 9 * k + 3, b->value + 9 * k + 6);
+                                                kn_cells_area(b->value + 9 * k + 3, b->value + 9 * k + 6);
         }
     }
     return KN_OK;

@@ -97,10 +97,7 @@ static kn_status add_speed(kn_ctx *ctx, double *speed, const kn_cells_along *a, 
         for (int j = 0; j < n; j++) at[2 * j + a->var] = x[k], at[2 * j + 1 - a->var] = across[j];
         kn_status status = kn_spline_eval_batch_partials(ctx, value, a->surface, (size_t)n, at);
         if (status != KN_OK) return status;
-        for (int j = 0; j < n; j++) {
-            const double *d = value + 9 * j + 3 * (1 + a->var);
-            speed[k] += size * weight[j] * sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
-        }
+        for (int j = 0; j < n; j++) speed[k] += size * weight[j] * kn_cells_norm(value + 9 * j + 3 * (1 + a->var));
     }
     return KN_OK;
 }

@@ -94,18 +94,22 @@ typedef struct kn_cells_relax_options {
     bool closed[2];   // corners of the two ends move together
     bool fixed_edges; // corners on the edges of the domain stay where even lines put them (to match a neighbour)
     bool all_knots;   // lines stay on all knots of S, not only where it is C1 at most: for kn_cells_compose
+    bool smooth;      // map: bicubic and C2 through the corners, so that nothing has a kink at lines of cells
     double area;      // how much even areas count beside even shapes, which count 1; 0: 4
     int iterations;   // 0: 200
 } kn_cells_relax_options;
-// map: (s,t) in [0,count[0]] x [0,count[1]] -> (u,v), bilinear in each cell (degree 1, simple knots at integers), onto
-// S's domain and nowhere folded (certified), whose cells are as nearly rectangles of one size on S as a search finds.
+// map: (s,t) in [0,count[0]] x [0,count[1]] -> (u,v), bilinear in each cell (degree 1, simple knots at integers), or
+// smooth (degree 3, the same knots), onto S's domain and nowhere folded (certified), whose cells are as nearly
+// rectangles of one size on S as a search finds.
 // in:     count[d] >= 1, and more than the knots whose lines are held. options NULL: the defaults.
 // out:    corners on the edges of the domain stay on them, and its own four corners where they are. Lines of cells
 //         stay on knots at which S is C1 at most (kinks, the quarters of circles), corners slide along them. The cell
 //         that all should be has the mean area, and the proportion of the mean lengths of S both ways over the
-//         counts. The energy is that of kn_cells_even_lines at most. The same bits every time.
+//         counts. The energy of the corners is that of kn_cells_even_lines at most. smooth: fewer than 4 lines in a
+//         variable give its degree less; over the seam of a closed variable the map goes on as smoothly. The same
+//         bits every time.
 // fails:  KN_EDOMAIN count, options, a surface without area; KN_EUNDECIDED lines so near that a cell is not certain to
-//         be without a fold at the start; KN_ELIMIT, KN_ECANCELLED.
+//         be without a fold at the start, or that no smooth map is; KN_ELIMIT, KN_ECANCELLED.
 // cost:   about 3 us a cell and iteration; it ends when four in turn gain less than 1e-5 of the energy each. 40 x 40
 //         cells of a patch of the teapot: 0.1 to 0.2 s.
 // source: the exponentiated Hencky strain energy: Neff, Ghiba & Lankeit, J. Elasticity 121 (2015); L-BFGS: Nocedal &
@@ -138,11 +142,26 @@ KN_API KN_CHECKED kn_status kn_cells_fit(kn_ctx *ctx, kn_spline *out, double *er
 
 // ---- height by stretch ----
 
-// out: one component over S's domain, a spline near the local stretch sqrt(|S_u x S_v| du dv / mean), du x dv the cell
-// at hand between the lines: with it as kn_shell_options.thickness tiles keep their proportions. *error: certified bound
-// of the relative difference.
+typedef struct kn_cells_stretch_options {
+    double mean;      // area of a cell where h is 1; 0: the mean of all cells
+    int degree;       // of h, 1 to 3; 0: the lowest of them that meets the tolerance
+    double tolerance; // of *error; 0: 0.05, or none where a degree is given
+} kn_cells_stretch_options;
+// out = h, one component over S's domain, positive, near the local stretch
+//     t = ((a^2 + e^2) / (1 + e^2))^(1/4),  a = |S_u x S_v| du dv / mean,  e = 1/16,
+// which is sqrt(a) but for small a: at a pole, where a is 0, heights end at a quarter. du(u) and dv(v) are the sizes of
+// the cells, linear between lines and at a line the mean of the two cells there. With h as kn_shell_options.thickness
+// tiles keep their proportions.
+// in:     lines over the whole domain, every knot of S among them. options NULL: zeros.
+// out:    degree 1 .. 3 in both variables, its knots the lines, each once; interpolates t at Greville's sites.
+//         *error bounds |h - t| / t, rounding included.
+// fails:  KN_EDOMAIN lines, options, no area; KN_EUNDECIDED tolerance not met, as where S has a crease or is scaled so
+//         that its products overflow; KN_ELIMIT a polynomial S of degree above 13, a rational one of above 7;
+//         KN_ECANCELLED.
+// error:  *error. cost: about 100 us a cell and degree.
 KN_API KN_CHECKED kn_status kn_cells_stretch(kn_ctx *ctx, kn_spline *out, double *error, const kn_spline *surface,
-                                             const double *const lines[2], const int nlines[2], double tolerance);
+                                             const double *const lines[2], const int nlines[2],
+                                             const kn_cells_stretch_options *options);
 
 #ifdef __cplusplus
 }
