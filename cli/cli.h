@@ -78,17 +78,20 @@ kn_ctx *cli_ctx(cli_session *session);
 int cli_fail(cli_session *session, kn_status status, bool reading);
 // The same for work on what was read from path: the message names it where what is in it is to blame.
 int cli_fail_on(cli_session *session, kn_status status, const char *path, bool reading);
+// The same with a message of its own.
+int cli_fail_at(cli_session *session, kn_status status, const char *format, ...) KN_PRINTF(3, 4);
 // A warning on standard error, unless the session is quiet.
 void cli_warn(cli_session *session, const char *format, ...) KN_PRINTF(2, 3);
 double cli_seconds(void); // a monotonic clock
 
 // ---- inputs ----
-// All surfaces (two variables, three dimensions) of a spline file, moved out of the model; others are left out.
+// All surfaces (two variables, three dimensions) of a spline file, and volumes if wanted, moved out of the model;
+// others are left out.
 typedef struct cli_base {
     kn_spline *surfaces;
     int nsurfaces;
 } cli_base;
-int cli_read_base(cli_session *session, cli_base *out, const char *path); // exit code
+int cli_read_base(cli_session *session, cli_base *out, const char *path, bool volumes); // exit code
 void cli_base_clear(cli_session *session, cli_base *base);
 // A built-in tile by name, or a tile from a file; cell: u0, v0, u1, v1 or NULL.
 int cli_read_tile(cli_session *session, kn_tile *out, const char *name, const double *cell);
@@ -212,5 +215,6 @@ int cli_command_tiles(int argc, char **argv);
 int cli_command_info(int argc, char **argv);
 int cli_command_eval(int argc, char **argv);
 int cli_command_render(int argc, char **argv);
+int cli_command_check(int argc, char **argv);
 
 #endif

@@ -5,13 +5,13 @@
 #include <string.h>
 #include <unistd.h>
 
-// Keeps the surfaces of a model in their order and drops the rest.
-static int keep_surfaces(kn_ctx *ctx, kn_model *model)
+// Keeps the surfaces of a model in their order, and volumes if wanted, and drops the rest.
+static int keep_surfaces(kn_ctx *ctx, kn_model *model, bool volumes)
 {
     int kept = 0;
     for (int i = 0; i < model->nsplines; i++) {
         kn_spline *s = &model->splines[i];
-        if (s->nvars == 2 && kn_spline_dim(s) == 3)
+        if ((s->nvars == 2 || (volumes && s->nvars == 3)) && kn_spline_dim(s) == 3)
             kn_spline_swap(&model->splines[kept++], s);
         else
             kn_spline_clear(ctx, s);
@@ -19,14 +19,14 @@ static int keep_surfaces(kn_ctx *ctx, kn_model *model)
     return kept;
 }
 
-int cli_read_base(cli_session *session, cli_base *out, const char *path)
+int cli_read_base(cli_session *session, cli_base *out, const char *path, bool volumes)
 {
     kn_ctx *ctx = cli_ctx(session);
     kn_model model = {0};
     kn_status status = kn_read_model(ctx, &model, path);
     if (status != KN_OK) return cli_fail(session, status, true);
     int found = model.nsplines;
-    out->nsurfaces = keep_surfaces(ctx, &model);
+    out->nsurfaces = keep_surfaces(ctx, &model, volumes);
     out->surfaces = model.splines;
     if (out->nsurfaces > 0 && out->nsurfaces < found)
         cli_warn(session, "%s: %d of its %d splines are no surfaces in three dimensions and are left out", path,

@@ -34,7 +34,7 @@ static int tessellate(cli_session *session, kn_scene_item *out, const char *path
 {
     kn_ctx *ctx = cli_ctx(session);
     cli_base base = {0};
-    int code = cli_read_base(session, &base, path);
+    int code = cli_read_base(session, &base, path, false);
     if (code != EXIT_OK) return code;
     kn_status status = KN_OK;
     for (int i = 0; i < base.nsurfaces && status == KN_OK; i++) {

@@ -152,6 +152,18 @@ int cli_fail(cli_session *session, kn_status status, bool reading)
     return exit_code(status, reading);
 }
 
+int cli_fail_at(cli_session *session, kn_status status, const char *format, ...)
+{
+    char message[1024];
+    va_list list;
+    va_start(list, format);
+    vsnprintf(message, sizeof message, format, list);
+    va_end(list);
+    end_line(session);
+    cli_error("%s", message);
+    return exit_code(status, false);
+}
+
 int cli_fail_on(cli_session *session, kn_status status, const char *path, bool reading)
 {
     bool blame = status == KN_EDOMAIN || status == KN_ELIMIT || status == KN_EUNDEFINED || status == KN_EUNDECIDED;
