@@ -78,14 +78,26 @@ KN_API KN_CHECKED kn_status kn_cells_shared_lines(kn_ctx *ctx, double **lines, c
 
 // ---- rows of different counts ----
 
-// The surface cut across variable 1 into bands, each with its own number of cells along variable 0, so that cells stay
-// near size[0] x size[1]: a cone. From band to band counts change by what the lengths ask for.
+// A band of rows across variable 1 that has its own number of cells along variable 0: where S narrows, as a cone.
 typedef struct kn_cells_band {
     double lo, hi; // in variable 1
     int count[2];  // cells of the band
 } kn_cells_band;
+// *bands, *nbands of them for kn_free, from one end of variable 1 to the other: cells near size[0] x size[1]. Rows are
+// those of kn_cells_even_lines; in a band the lengths of rows along variable 0 differ by at most a factor 3/2, and its
+// count is the nearest to their geometric mean over size[0], so that widths are within 1.23 of size[0], but for the
+// rounding of small counts, and where knot spans ask for more cells. At the border of two bands cells do not meet:
+// tiles end there.
+// in:     sizes positive and finite.
+// fails:  KN_EDOMAIN sizes; KN_ELIMIT more than 65536 cells each way; and as kn_cells_even_lines.
+// error:  as kn_cells_measure. cost: of the lines, and some us a row and knot span.
 KN_API KN_CHECKED kn_status kn_cells_bands(kn_ctx *ctx, kn_cells_band **bands, int *nbands, const kn_spline *surface,
                                            const double size[2]);
+// Bands of n >= 1 surfaces side by side, along[i].var 1 and as for kn_cells_shared_lines: the same rows and borders for
+// all, each with its own counts. *bands: *nbands for each surface, one surface after the other, each in the order of
+// its own variable 1.
+KN_API KN_CHECKED kn_status kn_cells_shared_bands(kn_ctx *ctx, kn_cells_band **bands, int *nbands,
+                                                  const kn_cells_along *along, int n, const double size[2]);
 
 // ---- free corners ----
 
