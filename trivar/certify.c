@@ -9,6 +9,7 @@
 // Both converge quadratically under subdivision. The rounding of every step is added at the worst it can be.
 #include "kernel/bernstein.h"
 #include "kernel/context.h"
+#include "kernel/convolve.h"
 #include "trivar/internal.h"
 
 #include <assert.h>
@@ -23,9 +24,13 @@ typedef struct residual {
     size_t ncross, nnormal, nlength, size;
 } residual;
 
+typedef struct rounding {
+    double cross, normal, length; // absolute, of the coefficients
+} rounding;
+
 typedef struct search {
     residual r;
-    double cross_error, normal_error, length_error; // absolute, of the coefficients in r
+    rounding error[DEPTH + 1]; // of boxes at this level
     const kn_certify_options *options;
     double *level[DEPTH + 1];
     double length, angle; // the worst so far
@@ -71,16 +76,17 @@ static void search_box(search *s, int level)
 {
     const residual *r = &s->r;
     const kn_certify_options *o = s->options;
+    const rounding *error = &s->error[level];
     double *box = s->level[level], *normal = box + 3 * r->ncross, *square = normal + 3 * r->nnormal;
-    double e = largest_number(square, r->nlength) + s->length_error;
+    double e = largest_number(square, r->nlength) + error->length;
     double length = e < 1.0 ? e / (1.0 + sqrt(1.0 - e)) : INFINITY;
-    double least = (smallest_vector(normal, r->nnormal) - s->normal_error) * (1.0 - length), angle = INFINITY;
+    double least = (smallest_vector(normal, r->nnormal) - error->normal) * (1.0 - length), angle = INFINITY;
     if (e < 0.5 && least > 0.0) {
-        double sine = (largest_vector(box, r->ncross) + s->cross_error) / least;
+        double sine = (largest_vector(box, r->ncross) + error->cross) / least;
         if (sine < 0.5) angle = asin(sine);
     }
-    double floor = least > 0.0 ? 2.0 * s->cross_error / least : 0.0;
-    bool enough = length <= o->target[0] + 2.0 * s->length_error && angle <= o->target[1] + floor;
+    double floor = least > 0.0 ? 2.0 * error->cross / least : 0.0;
+    bool enough = length <= o->target[0] + 2.0 * error->length && angle <= o->target[1] + floor;
     bool last = level == DEPTH;
     if ((enough && length <= o->limit && angle <= o->limit) || last) {
         s->length = fmax(s->length, length);
@@ -105,63 +111,59 @@ static void search_box(search *s, int level)
 
 // ---- the products ----
 
-typedef struct factor {
-    double *scaled; // three components
-    size_t count, *place_cross, *place_self;
-    int row;
-} factor;
-
-static bool factor_init(kn_ctx *ctx, factor *f, const kn_bezier *b, const int *cross, const int *self)
+// Scaled coefficients: times their binomials.
+static double *scaled(kn_ctx *ctx, const kn_bezier *b)
 {
-    f->count = kn_bezier_count(b);
-    f->row = b->degree[1] + 1;
-    f->scaled = kn_scratch(ctx, 3 * f->count, sizeof *f->scaled);
-    double *weights = kn_scratch(ctx, f->count, sizeof *weights);
-    f->place_cross = kn_scratch(ctx, f->count, sizeof *f->place_cross);
-    f->place_self = kn_scratch(ctx, f->count, sizeof *f->place_self);
-    if (!f->scaled || !weights || !f->place_cross || !f->place_self) return false;
+    size_t count = kn_bezier_count(b);
+    double *out = kn_scratch(ctx, 3 * count, sizeof *out), *weights = kn_scratch(ctx, count, sizeof *weights);
+    if (!out || !weights) return NULL;
     kn_bernstein_weights(weights, 2, b->degree);
-    for (size_t i = 0; i < 3 * f->count; i++) f->scaled[i] = b->coef[i] * weights[i % f->count];
-    kn_bernstein_places(f->place_cross, 2, b->degree, cross);
-    if (self) kn_bernstein_places(f->place_self, 2, b->degree, self);
-    return true;
+    for (size_t i = 0; i < 3 * count; i++) out[i] = b->coef[i] * weights[i % count];
+    return out;
 }
 
-// weights: room for the larger of both products.
-static void multiply(double *box, double *weights, const residual *r, const factor *m, const factor *n,
-                     const kn_bezier *normal)
+// m, n: scaled. weights: room for the larger of both products; work: for kn_convolve.
+static void multiply(double *box, double *weights, double *work, const residual *r, const double *m, const int *dm,
+                     const double *n, const kn_bezier *normal)
 {
+    size_t cm = kn_bernstein_count(2, dm), cn = r->nnormal;
     memset(box, 0, r->size * sizeof *box);
     kn_bernstein_weights(weights, 2, r->cross);
     for (size_t c = 0; c < 3; c++) {
         size_t a = (c + 1) % 3, b = (c + 2) % 3;
         double *to = box + c * r->ncross;
-        kn_bernstein_convolve(to, m->scaled + a * m->count, m->place_cross, m->count, n->scaled + b * n->count,
-                              n->place_cross, n->count, n->row, 1.0);
-        kn_bernstein_convolve(to, m->scaled + b * m->count, m->place_cross, m->count, n->scaled + a * n->count,
-                              n->place_cross, n->count, n->row, -1.0);
+        kn_convolve(to, 2, m + a * cm, dm, n + b * cn, r->normal, 1.0, work);
+        kn_convolve(to, 2, m + b * cm, dm, n + a * cn, r->normal, -1.0, work);
         for (size_t i = 0; i < r->ncross; i++) to[i] /= weights[i];
     }
-    memcpy(box + 3 * r->ncross, normal->coef, 3 * r->nnormal * sizeof *box);
-    double *square = box + 3 * (r->ncross + r->nnormal);
-    for (size_t c = 0; c < 3; c++)
-        kn_bernstein_convolve(square, m->scaled + c * m->count, m->place_self, m->count, m->scaled + c * m->count,
-                              m->place_self, m->count, m->row, 1.0);
+    memcpy(box + 3 * r->ncross, normal->coef, 3 * cn * sizeof *box);
+    double *square = box + 3 * (r->ncross + cn);
+    for (size_t c = 0; c < 3; c++) kn_convolve(square, 2, m + c * cm, dm, m + c * cm, dm, 1.0, work);
     kn_bernstein_weights(weights, 2, r->length);
     for (size_t i = 0; i < r->nlength; i++) square[i] = square[i] / weights[i] - 1.0;
 }
 
+// Roundings of `level` halvings, in both variables by turns: one sum for each of the degree's steps.
+static double halvings(const int degree[2], int level)
+{
+    return 2.0 * ((level + 1) / 2 * degree[0] + level / 2 * degree[1]);
+}
+
 // Each coefficient of a product is a mean of products, so gamma(k) of the largest product bounds its rounding.
-static void rounding(search *s, const kn_bezier *m, const kn_bezier *n)
+static void bound_rounding(search *s, const kn_bezier *m, const kn_bezier *n)
 {
     const kn_certify_options *o = s->options;
-    double split = 2.0 * DEPTH * (s->r.cross[0] + s->r.cross[1] + s->r.length[0] + s->r.length[1] + 4);
+    const residual *r = &s->r;
     double big_m = kn_largest_vector(m, 0, 3), big_n = kn_largest_vector(n, 0, 3);
     double terms = (double)kn_bezier_count(m);
-    s->cross_error = 2.0 * kn_gamma(2 * terms + 24 + split) * big_m * big_n;
-    s->cross_error += 1.01 * (big_m * o->direction_error + big_n * o->normal_error);
-    s->normal_error = kn_gamma(24 + split) * big_n + o->direction_error;
-    s->length_error = kn_gamma(3 * terms + 24 + split) * (big_m * big_m + 1.0) + 2.02 * big_m * o->normal_error;
+    for (int k = 0; k <= DEPTH; k++) {
+        rounding *e = &s->error[k];
+        e->cross = 2.0 * kn_gamma(2 * terms + 24 + halvings(r->cross, k)) * big_m * big_n;
+        e->cross += 1.01 * (big_m * o->direction_error + big_n * o->normal_error);
+        e->normal = kn_gamma(24 + halvings(r->normal, k)) * big_n + o->direction_error;
+        e->length = kn_gamma(3 * terms + 24 + halvings(r->length, k)) * (big_m * big_m + 1.0);
+        e->length += 2.02 * big_m * o->normal_error;
+    }
 }
 
 static bool prepare(kn_ctx *ctx, search *s, const kn_bezier *m, const kn_bezier *n)
@@ -177,15 +179,16 @@ static bool prepare(kn_ctx *ctx, search *s, const kn_bezier *m, const kn_bezier 
     r->nnormal = kn_bernstein_count(2, r->normal);
     r->nlength = kn_bernstein_count(2, r->length);
     r->size = 3 * (r->ncross + r->nnormal) + r->nlength;
-    factor fm, fn;
-    if (!factor_init(ctx, &fm, m, r->cross, r->length) || !factor_init(ctx, &fn, n, r->cross, NULL)) return false;
+    size_t work = kn_convolve_work(2, m->degree, n->degree), own = kn_convolve_work(2, m->degree, m->degree);
+    double *sm = scaled(ctx, m), *sn = scaled(ctx, n), *room = kn_scratch(ctx, work > own ? work : own, sizeof *room);
+    if (!sm || !sn || !room) return false;
     double *levels = kn_scratch(ctx, (2 * DEPTH + 1) * r->size, sizeof *levels);
     double *weights = kn_scratch(ctx, r->ncross > r->nlength ? r->ncross : r->nlength, sizeof *weights);
     if (!levels || !weights) return false;
     s->level[0] = levels;
     for (int k = 1; k <= DEPTH; k++) s->level[k] = levels + (size_t)(2 * k - 1) * r->size;
-    multiply(levels, weights, r, &fm, &fn, n);
-    rounding(s, m, n);
+    multiply(levels, weights, room, r, sm, m->degree, sn, n);
+    bound_rounding(s, m, n);
     return true;
 }
 
