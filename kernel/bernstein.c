@@ -69,6 +69,20 @@ void kn_bernstein_elevate(double *out, const double *in, size_t outer, int n, in
         }
 }
 
+void kn_bernstein_power(double *out, int power, int n, double lo, double hi)
+{
+    for (int j = 0; j <= n; j++) {
+        out[j] = 0.0;
+        for (int i = 0; i <= power; i++) {
+            double product = kn_binomial(j, i) * kn_binomial(n - j, power - i);
+            if (product == 0.0) continue;
+            for (int k = 0; k < power; k++) product *= k < i ? hi : lo;
+            out[j] += product;
+        }
+        out[j] /= kn_binomial(n, power);
+    }
+}
+
 void kn_bernstein_differentiate(double *out, const double *in, size_t outer, int n, size_t inner)
 {
     if (n == 0) {

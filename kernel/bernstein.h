@@ -15,6 +15,11 @@ void kn_bernstein_contract(double *out, const double *in, size_t outer, int m, s
 void kn_bernstein_split(double *left, double *right, const double *in, size_t outer, int n, size_t inner, double t);
 // out (outer, to + 1, inner) = in (outer, n + 1, inner) with degree `to` >= n.
 void kn_bernstein_elevate(double *out, const double *in, size_t outer, int n, int to, size_t inner);
+// out[0 .. n] = x^power, power <= n, over [lo,hi] in degree n: coefficient j is the polar form at lo (n - j times) and
+// hi (j times), the mean of the products over all choices of `power` of these numbers,
+//     sum_i C(j, i) C(n - j, power - i) / C(n, power) hi^i lo^(power - i).
+// error:  gamma(2 power + 8) of the same sum with |lo| and |hi|.
+void kn_bernstein_power(double *out, int power, int n, double lo, double hi);
 // out (outer, n, inner) = the derivative along the axis, n >= 1; for n = 0 out (outer, 1, inner) is zero.
 // out may be in.
 void kn_bernstein_differentiate(double *out, const double *in, size_t outer, int n, size_t inner);

@@ -18,26 +18,45 @@ typedef struct kn_fold_region {
 } kn_fold_region;
 
 // ---- local: the Jacobian ----
+// J = det dT/d(u,v,w) of T as the shell holds it. Poles count without the factor that vanishes there for all w, and an
+// edge collapsed within 1e-12 as collapsed exactly (kn_shell_jacobian). At a cone's apex J is 0 for w = 0 alone, as T
+// is one point there: that counts as neither sign.
 
-// positive, negative: everywhere in the region, poles (where the vanishing factor is divided out) included. mixed: both
-// signs occur, `where` is a place of the negative or smaller one. undecided: within `work` boxes nothing was proved.
+// positive, negative: everywhere in the region, certified. mixed: both signs occur, each at a point and beyond its
+// rounding. undecided: within the work limit nothing was proved, or J vanishes where no rounding can tell.
 typedef enum kn_fold_verdict { KN_FOLD_POSITIVE, KN_FOLD_NEGATIVE, KN_FOLD_MIXED, KN_FOLD_UNDECIDED } kn_fold_verdict;
 typedef struct kn_fold_sign {
     kn_fold_verdict verdict;
-    double where[3]; // of the least value found, or where nothing could be decided
-    double value;    // det dT/d(u,v,w) there
-    double lo, hi;   // bounds of det dT/d(u,v,w) over the region, rounding included
+    double where[3]; // of the least value found (negative, when mixed), or where nothing could be decided
+    double value;    // the least value found: at a pole 0
+    double lo, hi;   // bounds of J over the region, rounding included; when decided within about 2 % of its range
 } kn_fold_sign;
+// The sign of J over the box [lo,hi] of (u,v,w), less what of it lies outside the domain (and a volume's heights).
+// fails:  KN_EDOMAIN (lo > hi, not finite, the box lies outside), KN_ELIMIT as kn_shell_jacobian, KN_ENOMEM,
+//         KN_ECANCELLED; out unchanged.
+// error:  none: definite answers include all rounding (docs/numerics.md, "fold").
+// cost:   kn_shell_jacobian_piece_init for each box of the grid that it meets, and some us for each box it is halved
+//         into; limited by 2^25 coefficients, some 0.3 s.
 KN_API KN_CHECKED kn_status kn_fold_jacobian_sign(kn_ctx *ctx, kn_fold_sign *out, const kn_shell *shell,
                                                   const double lo[3], const double hi[3]);
 
-// How far T may go before the Jacobian vanishes: for every |w| below these heights it is positive over the cell
-// (guaranteed), and they are within 1 % of the largest such heights. INFINITY: no limit.
+// How far T may go before J vanishes: J > 0 over the cell for 0 < w < above and for 0 > w > -below, guaranteed.
 typedef struct kn_fold_heights {
-    double above, below;
-    double where_above[2], where_below[2]; // (u,v) of the limit
+    double above, below; // INFINITY: J has no zero on that side (within the heights of a volume), certified
+    // No more than about these would be safe: found at a place where J falls below 2^-20 of its terms, or their
+    // rounding. above >= 0.99 above_most unless the work limit was met. INFINITY: none was found.
+    double above_most, below_most;
+    double where_above[2], where_below[2]; // (u,v) of them
 } kn_fold_heights;
-// cells: one for each cell of the shell, u slowest (kn_shell_cells); NULL: not wanted. overall: their least.
+// out:    cells: one for each cell of the shell, u slowest (kn_shell_cells); overall: their least. NULL: not wanted.
+//         0 where J is not positive right above w = 0 (a left-handed volume; below a cone's apex). A volume has no
+//         `below`: INFINITY. What does not fold, a plane, has heights that are finite, but as large as rounding (of
+//         J_1 and J_2 against J_0) leaves them: 1e10 and more.
+// fails:  KN_ELIMIT as kn_shell_jacobian, KN_ENOMEM, KN_ECANCELLED; outputs unchanged.
+// error:  none: above and below are lower bounds, rounding included.
+// cost:   kn_shell_jacobian_piece_init for each box of the grid, twice where it comes near the least, and some us for
+//         each of at most 200000 halvings; on the threads of the context, with the same result for any number of them.
+// source: Elber 2005, "Modeling the geometric texture"; lower bounds from coefficients by halving.
 KN_API KN_CHECKED kn_status kn_fold_safe_heights(kn_ctx *ctx, kn_fold_heights *cells, kn_fold_heights *overall,
                                                  const kn_shell *shell);
 
