@@ -195,10 +195,10 @@ typedef struct kn_shell_inverse kn_shell_inverse;
 
 // For places (u,v,w) of the whole domain with w in [w0,w1].
 // out:    *out is the caller's: kn_shell_inverse_destroy.
-// fails:  KN_EDOMAIN (not w0 < w1, not finite, or beyond kn_shell_heights), KN_ELIMIT (degrees of T above KN_MAX_DEGREE),
-//         KN_EUNDEFINED (weights that are not positive), KN_ENOMEM, KN_ECANCELLED; *out unchanged.
-// cost:   some 20 us and one copy of its coefficients for each piece: T between neighbouring knots of n, halved up to 6
-//         times where there are few, and 20 times as many next to a pole.
+// fails:  KN_EDOMAIN (not w0 < w1, not finite, or beyond kn_shell_heights), KN_ELIMIT (degrees of T above
+//         KN_MAX_DEGREE), KN_EUNDEFINED (weights that are not positive), KN_ENOMEM, KN_ECANCELLED; *out unchanged.
+// cost:   some 20 us and one copy of its coefficients for each piece: T between neighbouring knots of n, halved up to
+//         6 times where there are few, and 20 times as many next to a pole.
 KN_API KN_CHECKED kn_status kn_shell_inverse_create(kn_ctx *ctx, kn_shell_inverse **out, const kn_shell *shell,
                                                     double w0, double w1);
 KN_API void kn_shell_inverse_destroy(kn_ctx *ctx, kn_shell_inverse *inverse);
@@ -212,14 +212,15 @@ typedef struct kn_support {
     bool at_edge; // the box reaches an end of the domain, of [w0,w1], or both: the place may lie beyond by the error
 } kn_support;
 // All support positions of a point with w in the inverse's [w0,w1].
-// out:    *supports: *n of them, ordered by |w|, for kn_free. Every place lies in the box of one of them. Where T folds
-//         (its Jacobian is singular) they are not certified: one box for each group of places that touch. *complete: no
-//         box is wider than its fold makes it; false: places form a continuum (the centre of a sphere), or the work
-//         limit was met. u and u + period are one place, and so is a pole, whatever u: its error[0] spans the domain.
+// out:    *supports: *n of them, ordered by |w|, for kn_free. Every place lies in the box of one of them. Where T
+//         folds (its Jacobian is singular) they are not certified: one box for each group of places that touch.
+//         *complete: no box is wider than its fold makes it; false: places form a continuum (the centre of a sphere),
+//         or the work limit was met. u and u + period are one place, and so is a pole, whatever u: its error[0] spans
+//         the domain.
 // fails:  KN_EDOMAIN (not finite), KN_ENOMEM, KN_ECANCELLED; outputs unchanged.
 // error:  none: boxes are certified of T itself, with the rounding of its coefficients inside (docs/numerics.md).
-// cost:   30 to 90 us where T is regular (bicubic, rational biquadratic), three times that on borders of pieces, up to
-//         0.2 s at a fold: at most 16384 boxes are looked at, and 512 at one time.
+// cost:   30 to 90 us where T is regular (bicubic, rational biquadratic), three times that on borders of pieces, up
+//         to 0.2 s at a fold: at most 16384 boxes are looked at, and 512 at one time.
 // source: as kn_solve_zeros.
 KN_API KN_CHECKED kn_status kn_shell_support(kn_ctx *ctx, kn_support **supports, size_t *n, bool *complete,
                                              const kn_shell_inverse *inverse, const double point[3]);
@@ -233,28 +234,29 @@ typedef enum kn_side {
 } kn_side;
 // Whether the point is above the base, below it, on it, both, or none of them within [w0,w1]: definitions 1 and 2.
 // Places at an edge count as places.
-// fails, error, cost: as kn_shell_support. A place that is not certified and would change the answer makes it UNDECIDED.
+// fails, error, cost: as kn_shell_support. A place that is not certified and would change the answer makes it
+// UNDECIDED.
 KN_API KN_CHECKED kn_status kn_shell_side(kn_ctx *ctx, kn_side *out, const kn_shell_inverse *inverse,
                                           const double point[3]);
 
 // ---- normals of mapped geometry ----
 
-// A normal of geometry in texture space at uvw, mapped through T: J^-T normal, unit length; J = dT/d(u,v,w). What lies
-// on the normal's side of the geometry lies on that side of the image, where det J < 0 as well: triangles and patches
-// turn over there (their own normal is then -J^-T normal), and where det J > 0 they do not.
+// A normal of geometry in texture space at uvw, mapped through T: J^-T normal, unit length; J = dT/d(u,v,w). What
+// lies on the normal's side of the geometry lies on that side of the image, where det J < 0 as well: triangles and
+// patches turn over there (their own normal is then -J^-T normal), and where det J > 0 they do not.
 // in:     normal: any length but 0. uvw: T beyond the domain is as in kn_shell_eval.
-// out:    may be normal. At a pole, where S is one point along u (or v), the limit from inside: with normal[0] != 0 it
-//         is that of the surface u = const, whatever the rest.
+// out:    may be normal. At a pole, where S is one point along u (or v), the limit from inside: with normal[0] != 0
+//         it is that of the surface u = const, whatever the rest.
 // fails:  KN_EDOMAIN (not finite, normal 0), KN_EUNDEFINED (J is singular: columns of unit length have a determinant
 //         below 1e-12), KN_ENOMEM; out unchanged.
-// error:  a relative rounding e of J's columns (kn_shell_eval's bound over their length) turns it by about 4 e / |det|,
-//         det that of the columns of unit length.
+// error:  a relative rounding e of J's columns (kn_shell_eval's bound over their length) turns it by about 4 e /
+//         |det|, det that of the columns of unit length.
 // cost:   that of kn_shell_eval.
 KN_API KN_CHECKED kn_status kn_shell_map_normal(kn_ctx *ctx, double out[3], const kn_shell *shell,
                                                 const double uvw[3], const double normal[3]);
-// The estimate n_u S_u + n_v S_v + n_w n (equation 4 of the source), unit length; n stands for T_w at w = 0. Good where
-// S_u and S_v are nearly orthogonal and as long as n, and w is small, on which it does not depend; docs/normals.md says
-// how good.
+// The estimate n_u S_u + n_v S_v + n_w n (equation 4 of the source), unit length; n stands for T_w at w = 0. Good
+// where S_u and S_v are nearly orthogonal and as long as n, and w is small, on which it does not depend;
+// docs/normals.md says how good.
 // fails:  KN_EDOMAIN (not finite), KN_EUNDEFINED (it vanishes), KN_ENOMEM; out unchanged, and may be normal.
 KN_API KN_CHECKED kn_status kn_shell_map_normal_estimate(kn_ctx *ctx, double out[3], const kn_shell *shell,
                                                          const double uvw[3], const double normal[3]);
