@@ -3,19 +3,11 @@
 #include "cells/fit.h"
 #include "cells/internal.h"
 #include "kernel/context.h"
-#include "kernel/knots.h"
 
 #include <knurl/fit.h>
 #include <math.h>
 
-enum { LEAST = 3, MOST = 7, PLACES = 3 };
-
-typedef struct fitting {
-    const kn_spline *surface, *map;
-    double *lines[2]; // distinct knots of map, in scratch
-    int *smooth[2];   // how often the fit is differentiable across each
-    int n[2];         // cells
-} fitting;
+enum { LEAST = 3, MOST = 7, PLACES = 3, WRAP = 8 };
 
 // ---- what is to be fitted ----
 
@@ -35,54 +27,10 @@ static kn_status check(kn_ctx *ctx, const kn_spline *surface, const kn_spline *m
     return KN_OK;
 }
 
-// How often S is differentiable across the image of line i of variable d, when that is a knot line of S: all
-// coefficients of the map there are the knot, but for rounding. Otherwise 2, all that is asked for.
-static kn_status smooth_across(kn_ctx *ctx, int *smooth, const fitting *f, int d, int i)
-{
-    const kn_spline *s = f->surface;
-    kn_spline line = {0};
-    kn_status status = kn_spline_isoparametric(ctx, &line, f->map, d, f->lines[d][i]);
-    if (status != KN_OK) return status;
-    size_t n = kn_spline_count(&line);
-    const double *at = line.coef + (size_t)d * n;
-    double lo = at[0], hi = at[0];
-    for (size_t k = 1; k < n; k++) lo = fmin(lo, at[k]), hi = fmax(hi, at[k]);
-    double slack = 0x1p-44 * fmax(fabs(lo), fabs(hi)) + 0x1p-1000;
-    int p = s->degree[d];
-    *smooth = 2;
-    for (int k = p + 1, times = 1; k < s->count[d]; k += times) {
-        double knot = s->knots[d][k];
-        for (times = 1; s->knots[d][k + times] == knot;) times++;
-        if (knot >= lo - slack && knot <= hi + slack && hi - lo <= slack) *smooth = p - times < 2 ? p - times : 2;
-    }
-    kn_spline_clear(ctx, &line);
-    return KN_OK;
-}
-
-static kn_status make_lines(kn_ctx *ctx, fitting *f)
-{
-    for (int d = 0; d < 2; d++) {
-        const kn_spline *m = f->map;
-        int room = kn_spline_spans(m, d) + 1, *times = kn_scratch(ctx, (size_t)room, sizeof *times);
-        f->lines[d] = kn_scratch(ctx, (size_t)room, sizeof *f->lines[d]);
-        f->smooth[d] = kn_scratch(ctx, (size_t)room, sizeof *f->smooth[d]);
-        if (!times || !f->lines[d] || !f->smooth[d]) return KN_ENOMEM;
-        f->n[d] = kn_knots_breaks(f->lines[d], times, m->knots[d], m->degree[d], m->count[d]) - 1;
-        for (int i = 1; i < f->n[d]; i++) {
-            int own = m->degree[d] - times[i];
-            kn_status status = own > 0 ? smooth_across(ctx, &f->smooth[d][i], f, d, i) : KN_OK;
-            if (status != KN_OK) return status;
-            if (own <= 0) f->smooth[d][i] = 0;
-            if (f->smooth[d][i] > own) f->smooth[d][i] = own;
-        }
-    }
-    return KN_OK;
-}
-
 // ---- S(map) on a grid ----
 
 // values[(i * n[1] + j) * 3 + c] at the parameters at[0] x at[1] of the map.
-static kn_status values_on_grid(kn_ctx *ctx, double *values, const fitting *f, const size_t n[2],
+static kn_status values_on_grid(kn_ctx *ctx, double *values, const kn_cells_target *f, const size_t n[2],
                                 const double *const at[2])
 {
     kn_mark mark = kn_scratch_mark(ctx);
@@ -98,37 +46,72 @@ static kn_status values_on_grid(kn_ctx *ctx, double *values, const fitting *f, c
     return status;
 }
 
+// One variable of the fit: its knots, and the Greville sites. A closed one goes on for `wrap` cells at both ends.
+typedef struct axis {
+    int wrap, degree, count;
+    double *knots, *sites;
+    double *at; // the sites, taken back into the map's domain
+} axis;
+
+static kn_status make_axis(kn_ctx *ctx, axis *a, const kn_cells_target *f, int d, int degree)
+{
+    int n = f->n[d], wrap = !f->closed[d] ? 0 : n < WRAP ? n : WRAP, k = 0;
+    size_t room = ((size_t)n + 2 * (size_t)wrap + 1) * ((size_t)degree + 1);
+    double *all = kn_scratch(ctx, 3 * room, sizeof *all), first = f->lines[d][0], last = f->lines[d][n];
+    if (!all) return KN_ENOMEM;
+    *a = (axis){.wrap = wrap, .degree = degree, .knots = all, .sites = all + room, .at = all + 2 * room};
+    for (int i = -wrap; i <= n + wrap; i++) {
+        int of = i < 0 ? i + n : i > n ? i - n : i;
+        bool end = i == -wrap || i == n + wrap;
+        double line = f->lines[d][of] + (i < 0 ? first - last : i > n ? last - first : 0.0);
+        for (int times = end ? degree + 1 : degree - f->smooth[d][of]; times > 0; times--) a->knots[k++] = line;
+    }
+    a->count = k - degree - 1;
+    kn_status status = kn_fit_greville(ctx, a->sites, a->knots, degree, a->count);
+    for (int i = 0; status == KN_OK && i < a->count; i++) {
+        double x = a->sites[i];
+        a->at[i] = x < first ? x + (last - first) : x > last ? x - (last - first) : x;
+    }
+    return status;
+}
+
+// The two edges across a closed variable become one, bit for bit.
+static void close_edges(kn_spline *s, int d)
+{
+    size_t inner = d == 0 ? (size_t)s->count[1] : 1, n = (size_t)s->count[d],
+           outer = d == 0 ? 3 : 3 * (size_t)s->count[0];
+    for (size_t o = 0; o < outer; o++)
+        for (size_t k = 0; k < inner; k++) s->coef[(o * n + n - 1) * inner + k] = s->coef[o * n * inner + k];
+}
+
 // out: of these degrees, on the lines, through S(map) at its Greville sites.
-static kn_status interpolate(kn_ctx *ctx, kn_spline *out, const fitting *f, const int degree[2])
+static kn_status interpolate(kn_ctx *ctx, kn_spline *out, const kn_cells_target *f, const int degree[2])
 {
     kn_mark mark = kn_scratch_mark(ctx);
-    double *knots[2], *sites[2], *values = NULL;
-    int count[2] = {0, 0};
-    size_t n[2];
+    axis a[2];
+    double *values = NULL, lo[2], hi[2];
     kn_status status = KN_OK;
-    for (int d = 0; status == KN_OK && d < 2; d++) {
-        size_t room = ((size_t)f->n[d] + 1) * ((size_t)degree[d] + 1), k = 0;
-        knots[d] = kn_scratch(ctx, room, sizeof *knots[d]);
-        sites[d] = kn_scratch(ctx, room, sizeof *sites[d]);
-        if (!knots[d] || !sites[d]) status = KN_ENOMEM;
-        for (int i = 0; status == KN_OK && i <= f->n[d]; i++) {
-            int times = i == 0 || i == f->n[d] ? degree[d] + 1 : degree[d] - f->smooth[d][i];
-            while (times-- > 0) knots[d][k++] = f->lines[d][i];
-        }
-        count[d] = (int)k - degree[d] - 1, n[d] = (size_t)count[d];
-        if (status == KN_OK) status = kn_fit_greville(ctx, sites[d], knots[d], degree[d], count[d]);
+    for (int d = 0; d < 2 && status == KN_OK; d++) {
+        status = make_axis(ctx, &a[d], f, d, degree[d]);
+        lo[d] = f->lines[d][0], hi[d] = f->lines[d][f->n[d]];
     }
-    if (status == KN_OK) values = kn_scratch(ctx, n[0] * n[1], 3 * sizeof *values);
-    if (status == KN_OK && !values) status = KN_ENOMEM;
-    const double *const at[2] = {sites[0], sites[1]}, *const on[2] = {knots[0], knots[1]};
-    if (status == KN_OK) status = values_on_grid(ctx, values, f, n, at);
-    if (status == KN_OK) status = kn_fit_interpolate(ctx, out, 2, 3, degree, count, on, at, values);
+    if (status == KN_OK) {
+        const size_t n[2] = {(size_t)a[0].count, (size_t)a[1].count};
+        const double *const on[2] = {a[0].knots, a[1].knots}, *const sites[2] = {a[0].sites, a[1].sites};
+        values = kn_scratch(ctx, n[0] * n[1], 3 * sizeof *values);
+        status = values ? values_on_grid(ctx, values, f, n, (const double *const[]){a[0].at, a[1].at}) : KN_ENOMEM;
+        const int count[2] = {a[0].count, a[1].count};
+        if (status == KN_OK) status = kn_fit_interpolate(ctx, out, 2, 3, degree, count, on, sites, values);
+        if (status == KN_OK && (f->closed[0] || f->closed[1])) status = kn_spline_restrict(ctx, out, out, lo, hi);
+        for (int d = 0; d < 2 && status == KN_OK; d++)
+            if (f->closed[d]) close_edges(out, d);
+    }
     kn_scratch_release(ctx, mark);
     return status;
 }
 
 // The largest distance at PLACES x PLACES parameters of each cell.
-static kn_status sample(kn_ctx *ctx, double *most, const kn_spline *out, const fitting *f)
+static kn_status sample(kn_ctx *ctx, double *most, const kn_spline *out, const kn_cells_target *f)
 {
     static const double places[PLACES] = {0.13, 0.5, 0.83};
     kn_mark mark = kn_scratch_mark(ctx);
@@ -160,7 +143,8 @@ static kn_status sample(kn_ctx *ctx, double *most, const kn_spline *out, const f
 
 // ---- degrees ----
 
-static kn_status try_degrees(kn_ctx *ctx, kn_spline *out, double *sampled, const fitting *f, const int degree[2])
+static kn_status try_degrees(kn_ctx *ctx, kn_spline *out, double *sampled, const kn_cells_target *f,
+                             const int degree[2])
 {
     kn_status status = interpolate(ctx, out, f, degree);
     return status == KN_OK ? sample(ctx, sampled, out, f) : status;
@@ -168,7 +152,7 @@ static kn_status try_degrees(kn_ctx *ctx, kn_spline *out, double *sampled, const
 
 // One degree more in the variable that gains most by it; *more is false where both are at their limit.
 static kn_status raise_degree(kn_ctx *ctx, kn_spline *fit, double *sampled, int degree[2], bool *more,
-                              const fitting *f)
+                              const kn_cells_target *f)
 {
     kn_spline best = {0}, other = {0};
     int chosen = -1;
@@ -198,19 +182,16 @@ kn_status kn_cells_fit(kn_ctx *ctx, kn_spline *out, double *error, const kn_spli
     kn_status status = check(ctx, surface, map, tolerance);
     if (status != KN_OK) return status;
     kn_mark mark = kn_scratch_mark(ctx);
-    fitting f = {.surface = surface, .map = map};
+    kn_cells_target f;
     kn_spline fit = {0};
-    kn_piece_grid s = {.npieces = 0}, m = {.npieces = 0};
     double sampled = 0.0, bound = INFINITY;
     int degree[2] = {LEAST, LEAST};
     bool more = true;
-    status = make_lines(ctx, &f);
-    if (status == KN_OK) status = kn_piece_grid_init(ctx, &s, surface);
-    if (status == KN_OK) status = kn_piece_grid_init(ctx, &m, map);
+    status = kn_cells_target_init(ctx, &f, surface, map);
     if (status == KN_OK) status = try_degrees(ctx, &fit, &sampled, &f, degree);
     while (status == KN_OK) {
         bound = INFINITY;
-        if (sampled <= tolerance) status = kn_cells_fit_bound(ctx, &bound, &fit, &s, &m, sampled);
+        if (sampled <= tolerance) status = kn_cells_fit_bound(ctx, &bound, &fit, &f.s, &f.m, sampled);
         if (status == KN_OK && bound > tolerance) status = raise_degree(ctx, &fit, &sampled, degree, &more, &f);
         if (bound <= tolerance || !more) break;
     }
@@ -222,7 +203,7 @@ kn_status kn_cells_fit(kn_ctx *ctx, kn_spline *out, double *error, const kn_spli
         kn_spline_swap(out, &fit);
         if (error) *error = bound;
     }
-    kn_piece_grid_clear(ctx, &s), kn_piece_grid_clear(ctx, &m);
+    kn_cells_target_clear(ctx, &f);
     kn_spline_clear(ctx, &fit);
     kn_scratch_release(ctx, mark);
     return status;

@@ -28,24 +28,6 @@ typedef struct bounding {
     kn_bezier temp[NTEMP];
 } bounding;
 
-kn_status kn_piece_grid_init(kn_ctx *ctx, kn_piece_grid *g, const kn_spline *s)
-{
-    *g = (kn_piece_grid){.npieces = 0};
-    for (int d = 0; d < 2; d++) {
-        g->brk[d] = kn_cells_breaks(ctx, &g->n[d], s, d);
-        if (!g->brk[d]) return KN_ENOMEM;
-        g->n[d]--;
-    }
-    return kn_spline_to_bezier(ctx, &g->piece, &g->npieces, s);
-}
-
-void kn_piece_grid_clear(kn_ctx *ctx, kn_piece_grid *g)
-{
-    for (size_t i = 0; i < g->npieces; i++) kn_bezier_clear(ctx, &g->piece[i]);
-    kn_free(ctx, g->piece);
-    *g = (kn_piece_grid){.npieces = 0};
-}
-
 // The largest vector of components first .. last - 1 among all coefficients.
 static double largest(const kn_piece_grid *g, int first, int last)
 {

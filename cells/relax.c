@@ -5,6 +5,7 @@
 #include "kernel/context.h"
 
 #include <math.h>
+#include <string.h>
 
 static kn_status check(kn_ctx *ctx, const kn_spline *surface, const int count[2], const kn_cells_relax_options *o)
 {
@@ -55,8 +56,11 @@ kn_status kn_cells_relax(kn_ctx *ctx, kn_spline *map, const kn_spline *surface, 
     status = kn_relax_start(ctx, &g, o->all_knots);
     if (status == KN_OK && !kn_corners_unfolded(&g, g.corners))
         status = kn_fail(ctx, KN_EUNDECIDED, "relax: %d x %d cells, too many to tell apart", count[0], count[1]);
+    double *start = status == KN_OK ? kn_scratch(ctx, kn_corner_count(&g), 2 * sizeof *start) : NULL;
+    if (status == KN_OK && !start) status = KN_ENOMEM;
+    if (status == KN_OK) memcpy(start, g.corners, 2 * kn_corner_count(&g) * sizeof *start);
     if (status == KN_OK) status = kn_relax_search(ctx, &g, o->iterations > 0 ? o->iterations : 200);
-    if (status == KN_OK) status = corners_to_map(ctx, map, &g);
+    if (status == KN_OK) status = o->smooth ? kn_relax_smooth(ctx, map, &g, start) : corners_to_map(ctx, map, &g);
     kn_scratch_release(ctx, mark);
     return status;
 }

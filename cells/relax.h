@@ -42,4 +42,9 @@ size_t kn_relax_room(const kn_corner_grid *g);
 // Moves g->corners downhill.
 kn_status kn_relax_search(kn_ctx *ctx, kn_corner_grid *g, int iterations);
 
+// ---- relax_smooth.c ----
+// *map = the bicubic C2 spline through the corners, or through corners that are moved back to `start` until it has no
+// fold. fails: KN_EUNDECIDED it has one even then.
+kn_status kn_relax_smooth(kn_ctx *ctx, kn_spline *map, const kn_corner_grid *g, const double *start);
+
 #endif
