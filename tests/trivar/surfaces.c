@@ -65,6 +65,14 @@ void make_sphere(kn_ctx *ctx, kn_spline *out)
     revolve(ctx, out, 2, 5, kv, profile);
 }
 
+void make_vase(kn_ctx *ctx, kn_spline *out)
+{
+    const double kv[11] = {0, 0, 0, 0, 1, 2, 3, 4, 4, 4, 4};
+    const double profile[7][3] = {{1.0, 0, 1},     {2.2, 0.4, 0.8}, {2.4, 1.8, 1.3}, {1.0, 3.0, 0.9},
+                                  {0.6, 3.8, 1.2}, {0.8, 4.6, 0.7}, {1.3, 5.0, 1}};
+    revolve(ctx, out, 3, 7, kv, profile);
+}
+
 // ---- height fields over the control points' own grid ----
 
 static void height_field(kn_ctx *ctx, kn_spline *out, const int *degree, const int *count, const double *ku,
@@ -98,6 +106,19 @@ void make_quintic(kn_ctx *ctx, kn_spline *out)
     const double ku[14] = {-1, -1, -1, -1, -1, -1, 0, 2, 3, 3, 3, 3, 3, 3};
     const double kv[11] = {5, 5, 5, 5, 5, 6, 7, 7, 7, 7, 7};
     height_field(ctx, out, (const int[2]){5, 4}, (const int[2]){8, 6}, ku, kv);
+}
+
+void make_waves(kn_ctx *ctx, kn_spline *out)
+{
+    enum { N = 20 };
+    double knots[N + 4], coef[3 * N * N];
+    for (int i = 0; i < N + 4; i++) knots[i] = i < 4 ? 0.0 : i >= N ? N - 3 : i - 3;
+    for (int i = 0; i < N; i++)
+        for (int j = 0; j < N; j++) {
+            double *c = coef + N * i + j;
+            c[0] = i, c[N * N] = j, c[2 * N * N] = 1.5 * sin(0.9 * i + 0.3 * j) * cos(0.8 * j - 0.2 * i);
+        }
+    build(ctx, out, false, (const int[2]){3, 3}, (const int[2]){N, N}, knots, knots, coef);
 }
 
 // ---- the teapot ----
@@ -170,6 +191,42 @@ void direct_spline(long double *out, const kn_spline *s, long double u, long dou
                            s->coef[(size_t)c * count + (size_t)(first[0] + i) * columns + (size_t)(first[1] + j)];
             out[m * s->ncomp + c] = sum;
         }
+}
+
+typedef struct basis {
+    size_t first;
+    long double value[16], slope[16];
+} basis;
+
+// One u at a time: the net is contracted to two curves in v, of values and of slopes in u.
+void direct_grid(long double *out, const kn_spline *s, size_t nu, const double *u, size_t nv, const double *v)
+{
+    size_t count = kn_spline_count(s), columns = (size_t)s->count[1], ncomp = (size_t)s->ncomp;
+    long double *row = calloc(2 * ncomp * columns, sizeof *row);
+    basis *across = calloc(nv, sizeof *across), b;
+    assert_true(row && across);
+    for (size_t j = 0; j < nv; j++)
+        across[j].first = (size_t)b_splines(across[j].value, across[j].slope, s->knots[1], s->degree[1], s->count[1],
+                                            v[j]);
+    for (size_t i = 0; i < nu; i++) {
+        b.first = (size_t)b_splines(b.value, b.slope, s->knots[0], s->degree[0], s->count[0], u[i]);
+        for (size_t k = 0; k < 2 * ncomp * columns; k++) {
+            const double *from = s->coef + k / columns % ncomp * count + b.first * columns + k % columns;
+            const long double *w = k < ncomp * columns ? b.value : b.slope;
+            row[k] = 0.0L;
+            for (int a = 0; a <= s->degree[0]; a++) row[k] += w[a] * from[(size_t)a * columns];
+        }
+        for (size_t j = 0; j < nv; j++)
+            for (size_t c = 0; c < 3 * ncomp; c++) {
+                const long double *w = c < 2 * ncomp ? across[j].value : across[j].slope;
+                const long double *from = row + c % (2 * ncomp) * columns + across[j].first;
+                long double sum = 0.0L;
+                for (int a = 0; a <= s->degree[1]; a++) sum += w[a] * from[a];
+                out[(i * nv + j) * 3 * ncomp + c] = sum;
+            }
+    }
+    free(row);
+    free(across);
 }
 
 void direct_surface(long double point[3], long double su[3], long double sv[3], long double cross[3],

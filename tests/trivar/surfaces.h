@@ -23,6 +23,8 @@ void make_sphere(kn_ctx *ctx, kn_spline *out);       // radius 2, rational, clos
 void make_wavy(kn_ctx *ctx, kn_spline *out);         // bicubic, C2, a height field
 void make_double_knots(kn_ctx *ctx, kn_spline *out); // bicubic, only C1 at its interior knots
 void make_quintic(kn_ctx *ctx, kn_spline *out);      // degrees 5 and 4, simple knots
+void make_waves(kn_ctx *ctx, kn_spline *out);        // bicubic, 20 x 20 control points, about three waves each way
+void make_vase(kn_ctx *ctx, kn_spline *out);         // a rational cubic profile turned about z, closed in u
 // A zero-based patch of data/teapot.bpt; false when the file is not there.
 bool make_teapot(kn_ctx *ctx, kn_spline *out, int patch);
 
@@ -31,6 +33,8 @@ void direct_spline(long double *out, const kn_spline *s, long double u, long dou
 // S, S_u, S_v and S_u x S_v (not normalised), rational or not.
 void direct_surface(long double point[3], long double su[3], long double sv[3], long double cross[3],
                     const kn_spline *s, long double u, long double v);
+// The same as direct_spline on the grid u x v, v fastest: 3 ncomp numbers for each of nu nv points.
+void direct_grid(long double *out, const kn_spline *s, size_t nu, const double *u, size_t nv, const double *v);
 // | |n| - 1 | and the angle of the shell's n against the direct normal at (u,v); false where S_u x S_v vanishes.
 bool direct_errors(long double *length, long double *angle, const kn_shell *shell, long double u, long double v);
 
