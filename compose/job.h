@@ -60,7 +60,8 @@ typedef struct kn_job_place {
 } kn_job_place;
 
 typedef struct kn_job_surface {
-    int origin, origin_cell[2]; // kn_job_origin
+    int origin, origin_cell[2]; // kn_job_origin; no two surfaces of one origin have a cell number in common
+    int part[2], parts[2];      // which part of the origin's grid of parts, which follow one another, u slowest
     kn_shell *shell;
     int cells[2];
     bool closed[2];
@@ -69,6 +70,7 @@ typedef struct kn_job_surface {
     kn_job_partner partner[4];
     size_t first_cell;  // in the job's order
     int degree_sum;     // of n: what fits into max_degree
+    int tile_degree;    // the largest of the tile's patches
     double jacobian[2]; // bounds
 } kn_job_surface;
 
@@ -82,6 +84,7 @@ struct kn_job {
     kn_job_options options; // defaults resolved
     kn_tile tile;           // rotated
     kn_job_report report;
+    double diagonal, w_length; // of the base; of w = 1, about
     int segments;
     kn_job_patch *patches;
     int npatches;
@@ -108,19 +111,45 @@ kn_status kn_job_measure_surface(kn_ctx *ctx, kn_job_measure *out, const kn_spli
 double kn_job_off_chord(const double *p, const double *a, const double *b);
 double kn_job_mean_length(const kn_job_measure *m, int along);
 
+// ---- job_split.c ----
+// A part of a base: the whole of it, or what lies between its creases. Splines that are empty are not there.
+typedef struct kn_job_base {
+    int origin, part[2], parts[2];
+    kn_spline volume;                           // over [0,1] in w
+    kn_spline thickness, direction, attraction; // over the part's domain; their knots are knots of its face
+} kn_job_base;
+// faces: S of each part, in its own parameters; of a volume its middle layer, by which cells are measured.
+typedef struct kn_job_bases {
+    kn_job_base *list;
+    kn_spline *faces;
+    int n, room;
+} kn_job_bases;
+void kn_job_bases_clear(kn_ctx *ctx, kn_job_bases *bases);
+// Whether these can be bases, and the options' fields belong to them.
+kn_status kn_job_check_bases(kn_ctx *ctx, const kn_spline *surfaces, int nsurfaces, const kn_job_options *options);
+// The parts of all bases; job->surfaces, with their origins, w_length, and the height of a volume.
+kn_status kn_job_split(kn_ctx *ctx, kn_job_bases *bases, kn_job *job, const kn_spline *surfaces, int nsurfaces);
+// counts[..][along] of all parts of the origin whose first part is `first`: `count` cells shared among them, even in
+// parameter, or in length where the spacing says so, and at least one for each knot span.
+kn_status kn_job_share_count(kn_ctx *ctx, int (*counts)[2], const kn_job *job, int first, int along, int count,
+                             const kn_spline *faces, const kn_job_measure *measures);
+// origin_cell of all surfaces, whose cells are there.
+void kn_job_number_cells(kn_job *job);
+
 // ---- job_sizes.c ----
 // job->surfaces' counts, lines and partners, height, mesh_tol, patches and segments, from the options.
 kn_status kn_job_decide_sizes(kn_ctx *ctx, kn_job *job, const kn_spline *surfaces);
 // ---- job_shells.c ----
 // job->surfaces' shells and bounds of the Jacobian.
-kn_status kn_job_make_shells(kn_ctx *ctx, kn_job *job, const kn_spline *surfaces);
+kn_status kn_job_make_shells(kn_ctx *ctx, kn_job *job, const kn_job_bases *bases);
 
 // ---- job_edges.c ----
 // partners: 4 for each surface.
 kn_status kn_job_find_partners(kn_ctx *ctx, kn_job_partner *partners, const kn_spline *surfaces, int nsurfaces,
                                double tol);
-// partner[].goes_on of all surfaces, whose shells and lines are there. Beyond a crease the tile would be torn.
-kn_status kn_job_match_edges(kn_ctx *ctx, kn_job *job);
+// partner[].goes_on of all surfaces, whose shells and lines are there, for the heights w that the tile occupies. Beyond
+// a crease the tile would be torn.
+kn_status kn_job_match_edges(kn_ctx *ctx, kn_job *job, const double w[2]);
 // Where the cell at `offset` from a cell of the surface lies: on the surface beyond an edge that the two share with
 // agreeing normals and cell lines; otherwise on its own surface, where closed directions wrap and open ends extend.
 kn_job_place kn_job_find_place(const kn_job *job, int surface, const int cell[2], const int offset[2]);
@@ -134,9 +163,8 @@ typedef struct kn_job_class {
 } kn_job_class;
 kn_status kn_job_find_classes(kn_ctx *ctx, kn_job_class *classes, const kn_job_partner *partners, int nsurfaces);
 // counts[s] = cells of surface s in u and in v, as options ask. size: in force when options->count is 0.
-kn_status kn_job_counts(kn_ctx *ctx, int (*counts)[2], const kn_spline *surfaces, int nsurfaces,
-                        const kn_job_measure *measures, const kn_job_options *options,
-                        const kn_job_class *classes);
+kn_status kn_job_counts(kn_ctx *ctx, int (*counts)[2], const kn_job *job, const kn_spline *surfaces,
+                        const kn_job_measure *measures, const kn_job_class *classes);
 
 // ---- job_lines.c ----
 // job->surfaces' lines and knot flags, from their counts of cells: the options' spacing, even lines for each class.

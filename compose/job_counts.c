@@ -84,30 +84,22 @@ static kn_status count_by_size(kn_ctx *ctx, int (*counts)[2], const kn_spline *s
     return status;
 }
 
-static kn_status check_count(kn_ctx *ctx, const kn_spline *surface, int s, int along, int count)
+kn_status kn_job_counts(kn_ctx *ctx, int (*counts)[2], const kn_job *job, const kn_spline *surfaces,
+                        const kn_job_measure *measures, const kn_job_class *classes)
 {
-    int spans = kn_spline_spans(surface, along);
-    if (count > KN_JOB_MAX_COUNT)
-        return kn_fail(ctx, KN_ELIMIT, "job: count %d, at most %d", count, KN_JOB_MAX_COUNT);
-    if (count < spans)
-        return kn_fail(ctx, KN_EDOMAIN,
-                       "job: count %d in %s would make cells straddle knot lines of surface %d, which has %d knot "
-                       "spans there: at least %d",
-                       count, along == 0 ? "u" : "v", s, spans, spans);
-    return KN_OK;
-}
-
-kn_status kn_job_counts(kn_ctx *ctx, int (*counts)[2], const kn_spline *surfaces, int nsurfaces,
-                        const kn_job_measure *measures, const kn_job_options *options, const kn_job_class *classes)
-{
+    const kn_job_options *o = &job->options;
     kn_status status = KN_OK;
-    if (options->count[0] == 0 || options->count[1] == 0)
-        status = count_by_size(ctx, counts, surfaces, nsurfaces, measures, options->size, classes);
-    for (int s = 0; status == KN_OK && s < nsurfaces; s++)
-        for (int along = 0; status == KN_OK && along < 2; along++)
-            if (options->count[along] != 0) {
-                counts[s][along] = options->count[along];
-                status = check_count(ctx, &surfaces[s], s, along, counts[s][along]);
-            }
+    if (o->count[0] == 0 || o->count[1] == 0)
+        status = count_by_size(ctx, counts, surfaces, job->nsurfaces, measures, o->size, classes);
+    for (int along = 0; status == KN_OK && along < 2; along++) {
+        int count = o->count[along];
+        if (count > KN_JOB_MAX_COUNT)
+            status = kn_fail(ctx, KN_ELIMIT, "job: count %d, at most %d", count, KN_JOB_MAX_COUNT);
+        for (int s = 0; status == KN_OK && count != 0 && s < job->nsurfaces; s++) {
+            const int *part = job->surfaces[s].part;
+            if (part[0] == 0 && part[1] == 0)
+                status = kn_job_share_count(ctx, counts, job, s, along, count, surfaces, measures);
+        }
+    }
     return status;
 }

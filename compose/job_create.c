@@ -13,25 +13,14 @@ static kn_status check_options(kn_ctx *ctx, const kn_job_options *o)
                            numbers[i]);
     if (!isfinite(o->height) || !isfinite(o->offset))
         return kn_fail(ctx, KN_EDOMAIN, "job: height %g, offset %g", o->height, o->offset);
+    if (o->side != KN_JOB_ABOVE && o->side != KN_JOB_BELOW && o->side != KN_JOB_BOTH)
+        return kn_fail(ctx, KN_EDOMAIN, "job: side %d", (int)o->side);
     if (o->count[0] < 0 || o->count[1] < 0)
         return kn_fail(ctx, KN_EDOMAIN, "job: count %d, %d", o->count[0], o->count[1]);
     if (o->max_degree < 0) return kn_fail(ctx, KN_EDOMAIN, "job: degree limit %d", o->max_degree);
     if (o->max_degree > KN_MAX_DEGREE)
         return kn_fail(ctx, KN_ELIMIT, "job: degree limit %d, at most %d", o->max_degree, KN_MAX_DEGREE);
     return KN_OK;
-}
-
-static kn_status check_surfaces(kn_ctx *ctx, const kn_spline *surfaces, int nsurfaces)
-{
-    if (nsurfaces < 1) return kn_fail(ctx, KN_EDOMAIN, "job: %d surfaces", nsurfaces);
-    kn_status status = KN_OK;
-    for (int s = 0; status == KN_OK && s < nsurfaces; s++) {
-        if (surfaces[s].nvars != 2 || kn_spline_dim(&surfaces[s]) != 3)
-            return kn_fail(ctx, KN_EDOMAIN, "job: surface %d has %d variables, %d components", s, surfaces[s].nvars,
-                           kn_spline_dim(&surfaces[s]));
-        status = kn_spline_check(ctx, &surfaces[s]);
-    }
-    return status;
 }
 
 static kn_status copy_tile(kn_ctx *ctx, kn_tile *out, const kn_tile *tile)
@@ -57,13 +46,17 @@ static kn_status copy_tile(kn_ctx *ctx, kn_tile *out, const kn_tile *tile)
     return status;
 }
 
-static kn_status plan(kn_ctx *ctx, kn_job *job, const kn_spline *surfaces, const kn_tile *tile)
+static kn_status plan(kn_ctx *ctx, kn_job *job, const kn_spline *surfaces, int nsurfaces, const kn_tile *tile)
 {
+    kn_job_bases bases = {0};
     kn_status status = copy_tile(ctx, &job->tile, tile);
     if (status == KN_OK) status = kn_tile_rotate(ctx, &job->tile, job->options.quarter_turns);
-    if (status == KN_OK) status = kn_job_decide_sizes(ctx, job, surfaces);
-    if (status == KN_OK) status = kn_job_make_shells(ctx, job, surfaces);
+    if (status == KN_OK) status = kn_job_split(ctx, &bases, job, surfaces, nsurfaces);
+    if (status == KN_OK) status = kn_job_decide_sizes(ctx, job, bases.faces);
+    if (status == KN_OK) status = kn_job_make_shells(ctx, job, &bases);
     if (status == KN_OK) status = kn_job_plan(ctx, job);
+    kn_job_bases_clear(ctx, &bases);
+    job->options.thickness = job->options.direction = job->options.attraction = NULL; // the caller's
     return status;
 }
 
@@ -72,7 +65,7 @@ kn_status kn_job_create(kn_ctx *ctx, kn_job **out, const kn_spline *surfaces, in
 {
     kn_job_options o = options ? *options : kn_job_defaults();
     kn_status status = check_options(ctx, &o);
-    if (status == KN_OK) status = check_surfaces(ctx, surfaces, nsurfaces);
+    if (status == KN_OK) status = kn_job_check_bases(ctx, surfaces, nsurfaces, &o);
     if (status == KN_OK) status = kn_tile_check(ctx, tile);
     if (status != KN_OK) return status;
     if (o.max_degree == 0) o.max_degree = 25;
@@ -81,11 +74,9 @@ kn_status kn_job_create(kn_ctx *ctx, kn_job **out, const kn_spline *surfaces, in
     kn_job *job = kn_alloc_zero(ctx, 1, sizeof *job);
     if (!job) return KN_ENOMEM;
     job->options = o;
-    job->nsurfaces = job->report.nsurfaces = nsurfaces;
     job->report.normal_tol = o.normal_tol;
     job->report.max_degree = o.max_degree;
-    job->surfaces = kn_alloc_zero(ctx, (size_t)nsurfaces, sizeof *job->surfaces);
-    status = job->surfaces ? plan(ctx, job, surfaces, tile) : KN_ENOMEM;
+    status = plan(ctx, job, surfaces, nsurfaces, tile);
     if (status == KN_OK)
         *out = job;
     else

@@ -126,44 +126,72 @@ static bool rotation(int *turn, int edge, const kn_job_partner *p)
     return same_way == !p->reversed;
 }
 
+// A place on an edge, seen from the surfaces on both sides.
+typedef struct edge_place {
+    const kn_shell *shell[2];
+    double at[2][2];
+} edge_place;
+
+static double apart(const double p[3], const double q[3])
+{
+    return sqrt((p[0] - q[0]) * (p[0] - q[0]) + (p[1] - q[1]) * (p[1] - q[1]) + (p[2] - q[2]) * (p[2] - q[2]));
+}
+
+// Shells of S + w n agree where their normals do; what else there may be agrees where T does, at five heights.
+static kn_status agrees(kn_ctx *ctx, bool *yes, const kn_job *job, const edge_place *e, const double w[2], double tol)
+{
+    const kn_job_options *o = &job->options;
+    bool volume = kn_shell_normal(e->shell[0])->coef == NULL, fields = o->thickness || o->direction || o->attraction;
+    double p[2][3], slack = tol * fmax(fabs(w[0]), fabs(w[1])) * job->w_length + 2e-9 * job->diagonal;
+    kn_status status = KN_OK;
+    for (int k = 0; k < 5 && *yes && (fields || volume) && status == KN_OK; k++) {
+        for (int i = 0; i < 2 && status == KN_OK; i++)
+            status = kn_shell_eval(ctx, p[i], NULL, e->shell[i], e->at[i][0], e->at[i][1],
+                                   w[0] + 0.25 * k * (w[1] - w[0]));
+        if (status == KN_OK) *yes = apart(p[0], p[1]) <= slack;
+    }
+    for (int i = 0; i < 2 && *yes && !volume && !o->direction && status == KN_OK; i++)
+        status = kn_shell_unit_normal(ctx, p[i], e->shell[i], e->at[i][0], e->at[i][1]);
+    if (status == KN_OK && *yes && !volume && !o->direction) *yes = apart(p[0], p[1]) <= tol;
+    return status;
+}
+
 // Whether a tile may go on over an edge: the cell lines of both sides meet there, and so do the normals, within tol.
-static kn_status goes_on(kn_ctx *ctx, bool *yes, const kn_job *job, int surface, int edge, double tol)
+static kn_status goes_on(kn_ctx *ctx, bool *yes, const kn_job *job, int surface, int edge, const double w[2],
+                         double tol)
 {
     const double near = 1e-9; // of the edge, as for its knots
     const kn_job_surface *s = &job->surfaces[surface];
     const kn_job_partner *p = &s->partner[edge];
     const kn_job_surface *other = &job->surfaces[p->edge / 4];
     int fixed[2] = {edge >> 1, (p->edge % 4) >> 1}, n = s->cells[1 - fixed[0]], turn;
-    const kn_job_surface *side[2] = {s, other};
     const double *line[2] = {s->lines[1 - fixed[0]], other->lines[1 - fixed[1]]};
-    double at[2][2], normal[2][3];
+    edge_place e = {.shell = {s->shell, other->shell}};
     kn_status status = KN_OK;
     *yes = p->single && rotation(&turn, edge, p) && other->cells[1 - fixed[1]] == n;
-    at[0][fixed[0]] = s->lines[fixed[0]][edge % 2 == 0 ? 0 : s->cells[fixed[0]]];
-    at[1][fixed[1]] = other->lines[fixed[1]][p->edge % 2 == 0 ? 0 : other->cells[fixed[1]]];
+    e.at[0][fixed[0]] = s->lines[fixed[0]][edge % 2 == 0 ? 0 : s->cells[fixed[0]]];
+    e.at[1][fixed[1]] = other->lines[fixed[1]][p->edge % 2 == 0 ? 0 : other->cells[fixed[1]]];
     for (int k = 0; status == KN_OK && *yes && k <= 2 * n; k++) { // the lines, and the middles between them
-        double x[2], apart = 0.0;
-        for (int i = 0; status == KN_OK && i < 2; i++) {
+        double x[2];
+        for (int i = 0; i < 2; i++) {
             int j = i == 1 && p->reversed ? 2 * n - k : k;
             double t = 0.5 * (line[i][j / 2] + line[i][(j + 1) / 2]);
             x[i] = (t - line[i][0]) / (line[i][n] - line[i][0]);
-            at[i][1 - fixed[i]] = t;
-            status = kn_shell_unit_normal(ctx, normal[i], side[i]->shell, at[i][0], at[i][1]);
+            e.at[i][1 - fixed[i]] = t;
         }
-        if (status != KN_OK) break;
-        for (int c = 0; c < 3; c++) apart += (normal[0][c] - normal[1][c]) * (normal[0][c] - normal[1][c]);
-        *yes = fabs(x[0] - (p->reversed ? 1.0 - x[1] : x[1])) <= near && sqrt(apart) <= tol;
+        *yes = fabs(x[0] - (p->reversed ? 1.0 - x[1] : x[1])) <= near;
+        if (*yes) status = agrees(ctx, yes, job, &e, w, tol);
     }
     return status;
 }
 
-kn_status kn_job_match_edges(kn_ctx *ctx, kn_job *job)
+kn_status kn_job_match_edges(kn_ctx *ctx, kn_job *job, const double w[2])
 {
     kn_status status = KN_OK;
     for (int s = 0; status == KN_OK && s < job->nsurfaces; s++)
         for (int e = 0; status == KN_OK && e < 4; e++) {
             kn_job_partner *p = &job->surfaces[s].partner[e];
-            if (p->edge >= 0) status = goes_on(ctx, &p->goes_on, job, s, e, 10.0 * job->options.normal_tol);
+            if (p->edge >= 0) status = goes_on(ctx, &p->goes_on, job, s, e, w, 10.0 * job->options.normal_tol);
         }
     return status;
 }

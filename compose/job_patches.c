@@ -174,6 +174,12 @@ static kn_status check_reach(kn_ctx *ctx, const kn_bezier *d)
     return KN_OK;
 }
 
+// w in [0,1] spans the height, on both sides from one end to the other.
+static double place_w(const kn_job_options *o, double w)
+{
+    return o->offset + o->height * (o->side == KN_JOB_BOTH ? 2.0 * w - 1.0 : w);
+}
+
 kn_status kn_job_make_patches(kn_ctx *ctx, kn_job *job)
 {
     builder b = {.job = job};
@@ -188,7 +194,7 @@ kn_status kn_job_make_patches(kn_ctx *ctx, kn_job *job)
             for (size_t i = 0; status == KN_OK && i < n; i++, b.patch++) {
                 size_t count = kn_bezier_count(&pieces[i]);
                 double *w = pieces[i].coef + 2 * count;
-                for (size_t k = 0; k < count; k++) w[k] = job->options.offset + job->options.height * w[k];
+                for (size_t k = 0; k < count; k++) w[k] = place_w(&job->options, w[k]);
                 snap(&pieces[i]);
                 status = check_reach(ctx, &pieces[i]);
                 if (status == KN_OK) status = split(ctx, &b, &pieces[i], 0, 0);

@@ -108,15 +108,17 @@ static kn_status give_up(kn_ctx *ctx, const cell_work *w, int patch, bool crosse
 {
     const kn_job_patch *p = &w->job->patches[patch];
     const char *name = w->job->tile.parts[p->part].name;
+    const kn_job_surface *s = &w->job->surfaces[w->surface];
+    int cell[2] = {s->origin_cell[0] + w->cell[0], s->origin_cell[1] + w->cell[1]};
     if (crosses)
         return kn_fail(ctx, KN_EDOMAIN,
                        "job: patch %d of tile part \"%s\" crosses a knot line of surface %d in cell %d,%d, and not "
                        "along a parameter line of its own",
-                       p->patch, name, w->surface, w->cell[0], w->cell[1]);
+                       p->patch, name, s->origin, cell[0], cell[1]);
     return kn_fail(ctx, KN_EUNDECIDED,
                    "job: no normal of low degree within the tolerance for patch %d of tile part \"%s\" in cell %d,%d "
                    "of surface %d, after %d bisections each way",
-                   p->patch, name, w->cell[0], w->cell[1], w->surface, KN_JOB_MAX_DEPTH);
+                   p->patch, name, cell[0], cell[1], s->origin, KN_JOB_MAX_DEPTH);
 }
 
 // One part of a patch over the tight box around it, or, where no piece fits there, its halves.

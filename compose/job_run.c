@@ -214,8 +214,10 @@ static kn_status compose_leaf(kn_ctx *ctx, composer *c, uint32_t leaf, const int
     const kn_job_patch *from = &job->patches[key->patch];
     kn_patch *to = &c->product->patches[c->at];
     bool same = before && before->part == from->part && before->patch == from->patch;
+    const kn_job_surface *s = &job->surfaces[c->surface_index];
+    const int *first = s->origin_cell;
     to->id = (kn_patch_id){
-        c->surface_index, {cell[0], cell[1]}, from->part, from->patch, same ? before->piece + 1 : 0};
+        s->origin, {first[0] + cell[0], first[1] + cell[1]}, from->part, from->patch, same ? before->piece + 1 : 0};
     to->bezier = (kn_bezier){.nvars = 2, .ncomp = c->ncomp, .rational = c->ncomp == 4};
     kn_job_degree(job, key, to->bezier.degree);
     to->bezier.coef = c->product->coef + c->used;

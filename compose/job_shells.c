@@ -8,40 +8,78 @@
 static const int least_normal_degree = 3; // of n in each variable
 static const int usual_normal_degree = 5;
 
-// A tile patch of degree m over S of degrees (a,b) and n of (p,q), summed to A and N, composes to degree
-// m max(A, N + 1), and with rational S, where w n is multiplied by the weight of degrees (a,b), to m (A + N + 1).
-static kn_status fit_degrees(kn_ctx *ctx, kn_job *job, const kn_spline *surfaces)
+// What the terms of T need, as sums of their degrees and the power of w: T's factor on the degree of a tile patch. Of
+// n, which is yet to be made, the least; *room: what adds to it.
+static int least_factor(int *room, const kn_job_base *b, const kn_spline *face, int power)
+{
+    int a = face->degree[0] + face->degree[1], most = a;
+    int weight = face->rational ? a : 0; // fields are multiplied by it
+    int h = b->thickness.coef ? b->thickness.degree[0] + b->thickness.degree[1] : 0;
+    *room = 0;
+    if (b->volume.coef) return a + b->volume.degree[2];
+    if (b->attraction.coef) {
+        int psi = b->attraction.degree[0] + b->attraction.degree[1] + weight + power;
+        most = psi > most ? psi : most;
+    }
+    int n = b->direction.coef ? b->direction.degree[0] + b->direction.degree[1] : 2 * least_normal_degree;
+    *room = h + weight + 1;
+    return n + *room > most ? n + *room : most;
+}
+
+// A tile patch of degree m composes to degree m times the largest sum of a term's degrees and its power of w: those of
+// S, of h n and 1, of psi and k; where S is rational those of the weight come to the fields.
+static kn_status fit_degrees(kn_ctx *ctx, kn_job *job, const kn_job_bases *bases)
 {
     int tile = 1, limit = job->options.max_degree;
+    int power = job->options.attraction_power > 0 ? job->options.attraction_power : 2;
     for (int k = 0; k < job->npatches; k++)
         for (int d = 0; d < 2; d++)
             if (job->patches[k].d.degree[d] > tile) tile = job->patches[k].d.degree[d];
     for (int s = 0; s < job->nsurfaces; s++) {
-        const int *degree = surfaces[s].degree;
-        int a = degree[0] + degree[1], weight = surfaces[s].rational ? a : 0;
-        int least = 2 * least_normal_degree + 1 + weight;
-        if (a > least) least = a;
+        const kn_spline *face = &bases->faces[s];
+        int room, least = least_factor(&room, &bases->list[s], face, power);
         if (tile * least > limit)
             return kn_fail(ctx, KN_EDOMAIN,
                            "job: tile patches of degree %d over surface %d of degrees %d, %d compose to degree %d or "
                            "more, and the limit is %d: --max-degree %d is needed%s",
-                           tile, s, degree[0], degree[1], tile * least, limit, tile * least,
-                           tile * least > KN_MAX_DEGREE ? ", which is more than there is" : "");
-        job->surfaces[s].degree_sum = limit / tile - 1 - weight;
+                           tile, job->surfaces[s].origin, face->degree[0], face->degree[1], tile * least, limit,
+                           tile * least, tile * least > KN_MAX_DEGREE ? ", which is more than there is" : "");
+        job->surfaces[s].degree_sum = limit / tile - room;
+        job->surfaces[s].tile_degree = tile;
     }
     return KN_OK;
 }
 
 typedef struct shells {
     kn_job *job;
-    const kn_spline *surfaces;
+    const kn_job_bases *bases;
     double w[2]; // the heights that the tile occupies
 } shells;
+
+// An exact direction may have a higher degree than there is room for.
+static kn_status check_normal(kn_ctx *ctx, const kn_job *job, const kn_job_surface *s)
+{
+    const kn_spline *n = kn_shell_normal(s->shell);
+    int degree = n->coef ? n->degree[0] + n->degree[1] : 0, room = job->options.max_degree / s->tile_degree;
+    if (job->options.normal != KN_NORMAL_EXACT_DIRECTION || degree <= s->degree_sum) return KN_OK;
+    int need = s->tile_degree * (degree + room - s->degree_sum);
+    return kn_fail(
+        ctx, KN_EDOMAIN,
+        "job: with a normal of exact direction, of degrees %d, %d, over surface %d tile patches compose to "
+        "degree %d, and the limit is %d",
+        n->degree[0], n->degree[1], s->origin, need, job->options.max_degree);
+}
+
+static const kn_spline *given(const kn_spline *s)
+{
+    return s->coef ? s : NULL;
+}
 
 static kn_status make_shell(kn_ctx *ctx, void *user, size_t index)
 {
     const shells *all = user;
-    const kn_spline *s = &all->surfaces[index];
+    const kn_job_base *base = &all->bases->list[index];
+    const kn_job_options *options = &all->job->options;
     kn_job_surface *to = &all->job->surfaces[index];
     kn_shell_options o = kn_shell_defaults();
     for (int d = 0; d < 2; d++) {
@@ -49,18 +87,24 @@ static kn_status make_shell(kn_ctx *ctx, void *user, size_t index)
         o.nlines[d] = to->cells[d] + 1;
         if (4 * to->cells[d] > 4096 && 4 * to->cells[d] > o.max_spans) o.max_spans = 4 * to->cells[d];
     }
-    o.normal_tol = all->job->options.normal_tol;
-    o.max_degree = to->degree_sum / 2 < usual_normal_degree ? to->degree_sum / 2 : usual_normal_degree;
-    kn_status status = kn_shell_create(ctx, &to->shell, s, &o);
+    o.normal_tol = options->normal_tol;
+    o.normal = options->normal;
+    o.direction = given(&base->direction), o.thickness = given(&base->thickness);
+    o.attraction = given(&base->attraction), o.attraction_power = options->attraction_power;
+    if (o.normal == KN_NORMAL_FITTED && !o.direction && !base->volume.coef)
+        o.max_degree = to->degree_sum / 2 < usual_normal_degree ? to->degree_sum / 2 : usual_normal_degree;
+    kn_status status = base->volume.coef ? kn_shell_from_volume(ctx, &to->shell, &base->volume, &o)
+                                         : kn_shell_create(ctx, &to->shell, &all->bases->faces[index], &o);
+    if (status == KN_OK && !o.direction) status = check_normal(ctx, all->job, to);
     if (status != KN_OK) return status;
 
     kn_shell_closed(to->shell, to->closed);
     return kn_shell_jacobian_bounds(ctx, &to->jacobian[0], &to->jacobian[1], to->shell, all->w[0], all->w[1]);
 }
 
-kn_status kn_job_make_shells(kn_ctx *ctx, kn_job *job, const kn_spline *surfaces)
+kn_status kn_job_make_shells(kn_ctx *ctx, kn_job *job, const kn_job_bases *bases)
 {
-    shells all = {job, surfaces, {INFINITY, -INFINITY}};
+    shells all = {job, bases, {INFINITY, -INFINITY}};
     for (int k = 0; k < job->npatches; k++) {
         size_t n = kn_bezier_count(&job->patches[k].d);
         const double *w = job->patches[k].d.coef + 2 * n;
@@ -69,9 +113,9 @@ kn_status kn_job_make_shells(kn_ctx *ctx, kn_job *job, const kn_spline *surfaces
             all.w[1] = fmax(all.w[1], w[i]);
         }
     }
-    kn_status status = fit_degrees(ctx, job, surfaces);
+    kn_status status = fit_degrees(ctx, job, bases);
     if (status == KN_OK) status = kn_parallel(ctx, (size_t)job->nsurfaces, make_shell, &all, "shell");
-    if (status == KN_OK) status = kn_job_match_edges(ctx, job);
+    if (status == KN_OK) status = kn_job_match_edges(ctx, job, all.w);
     job->report.jacobian_lo = INFINITY;
     job->report.jacobian_hi = -INFINITY;
     for (int s = 0; status == KN_OK && s < job->nsurfaces; s++) {

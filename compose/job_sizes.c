@@ -39,9 +39,10 @@ static double mean_cell_size(const kn_job_measure *measures, int (*counts)[2], i
     return sum / cells;
 }
 
-// The largest distance from the patch, u and v as long as `cell`, to its triangulation with `segments` in each
+// The largest distance from the patch, u and v as long as `cell` and w as `w_length`, to its triangulation with `segments` in each
 // direction, measured in the middle of every edge of the triangles.
-static kn_status measure_chord(kn_ctx *ctx, double *chord, const kn_bezier *patch, int segments, double cell)
+static kn_status measure_chord(kn_ctx *ctx, double *chord, const kn_bezier *patch, int segments, double cell,
+                               double w_length)
 {
     size_t n = 2 * (size_t)segments + 1;
     kn_mark mark = kn_scratch_mark(ctx);
@@ -55,6 +56,7 @@ static kn_status measure_chord(kn_ctx *ctx, double *chord, const kn_bezier *patc
     for (size_t i = 0; status == KN_OK && i < n * n; i++) {
         p[3 * i] *= cell;
         p[3 * i + 1] *= cell;
+        p[3 * i + 2] *= w_length;
     }
     *chord = 0.0;
     for (size_t i = 0; status == KN_OK && i < n * n; i++) {
@@ -83,7 +85,7 @@ static kn_status choose_segments(kn_ctx *ctx, kn_job *job, const kn_job_measure 
         for (size_t i = 0; i < 2 * n; i++) extent = fmax(extent, fabs(d->coef[i] - d->coef[i < n ? 0 : n]));
         for (; job->segments < KN_JOB_MAX_SEGMENTS; job->segments *= 2) {
             double steps = (double)job->segments * job->segments;
-            kn_status status = measure_chord(ctx, &chord, d, job->segments, job->report.cell_size);
+            kn_status status = measure_chord(ctx, &chord, d, job->segments, job->report.cell_size, job->w_length);
             if (status != KN_OK) return status;
             if (chord + bend * extent * extent / steps <= job->options.mesh_tol) break;
         }
@@ -106,9 +108,10 @@ kn_status kn_job_decide_sizes(kn_ctx *ctx, kn_job *job, const kn_spline *surface
     for (int s = 0; status == KN_OK && s < job->nsurfaces; s++)
         status = kn_job_measure_surface(ctx, &measures[s], &surfaces[s]);
     resolve_size(o, diagonal);
+    job->diagonal = diagonal;
     if (status == KN_OK) status = kn_job_find_partners(ctx, partners, surfaces, job->nsurfaces, 1e-9 * diagonal);
     if (status == KN_OK) status = kn_job_find_classes(ctx, classes, partners, job->nsurfaces);
-    if (status == KN_OK) status = kn_job_counts(ctx, counts, surfaces, job->nsurfaces, measures, o, classes);
+    if (status == KN_OK) status = kn_job_counts(ctx, counts, job, surfaces, measures, classes);
     for (int s = 0; status == KN_OK && s < job->nsurfaces; s++) {
         size_t cells = (size_t)counts[s][0] * (size_t)counts[s][1];
         job->surfaces[s].first_cell = job->ncells;
@@ -119,12 +122,14 @@ kn_status kn_job_decide_sizes(kn_ctx *ctx, kn_job *job, const kn_spline *surface
         else
             job->ncells += cells;
     }
+    if (status == KN_OK) kn_job_number_cells(job);
     if (status == KN_OK) status = kn_job_make_lines(ctx, job, surfaces, classes);
     if (status == KN_OK) status = kn_job_measure_spread(ctx, job, surfaces);
     if (status == KN_OK) {
         double size = mean_cell_size(measures, counts, job->nsurfaces);
         if (o->height == 0.0) o->height = (job->tile.aspect > 0.0 ? job->tile.aspect : 1.0) * size;
         if (o->mesh_tol == 0.0) o->mesh_tol = size / 100.0;
+        if (o->side == KN_JOB_BELOW) o->height = -fabs(o->height);
         job->report.cell_size = size;
         job->report.height = o->height;
         status = kn_job_make_patches(ctx, job);

@@ -161,19 +161,30 @@ typedef enum kn_cells_spacing {
     KN_CELLS_FREE,    // corners free in both directions: S is replaced by S(map) (kn_cells_relax)
 } kn_cells_spacing;
 
+// Where w in [0,1] of the tile lies, H the height.
+typedef enum kn_job_side {
+    KN_JOB_ABOVE, // [0,H], below the base where H is negative
+    KN_JOB_BELOW, // [-|H|,0], w = 1 at -|H|
+    KN_JOB_BOTH,  // [-H,H]
+} kn_job_side;
+
 // Zero means the default in every field.
 typedef struct kn_job_options {
-    int count[2];      // cells over each surface's domain in u and in v, at most 65536; 0: from size
-    double size[2];    // wanted cell size, length units; the nearest count is taken (but no fewer than knot spans),
-                       // equal on edges that surfaces share. One given: for both. None: 1/20 of the base's diagonal
-    double height;     // of w = 1 above the base, negative below; 0: the tile's aspect times the mean cell size
-    double offset;     // added to every height, length units
+    int count[2];   // cells over each surface's domain in u and in v, at most 65536; 0: from size
+    double size[2]; // wanted cell size, length units; the nearest count is taken (but no fewer than knot spans),
+                    // equal on edges that surfaces share. One given: for both. None: 1/20 of the base's diagonal
+    // Of w = 1 above the base, negative below; 0: the tile's aspect times the mean cell size. In length units, or what
+    // thickness and direction make of it. Over a volume it is a fraction: 0 stands for 1, from one face to the other.
+    double height;
+    double offset; // added to every height, in the same unit
+    kn_job_side side;
     int quarter_turns; // of the tile in its cell
     kn_cells_spacing spacing;
     bool rows;        // rows of cells may have different counts, where S narrows (kn_cells_bands); casual tiles only
     bool stretch;     // heights follow the local stretch (kn_cells_stretch)
     double cells_tol; // of S(map) where it is fitted, length units; 0: 1e-4 of a cell
-    // The shell. Splines over [0,1]^2, which stands for each surface's domain; NULL: none (shell.h)
+    // The shell. Splines over [0,1]^2, which stands for each surface's domain; NULL: none (shell.h). Their knots become
+    // knots of S: cells have lines there. Not for volumes.
     kn_normal_method normal;
     const kn_spline *direction, *thickness, *attraction;
     int attraction_power;
@@ -186,14 +197,15 @@ KN_API kn_job_options kn_job_defaults(void);
 
 // What a job will make; everything is known before the first patch is composed.
 typedef struct kn_job_report {
-    int nsurfaces;
+    int nsurfaces; // of the base
+    int nparts;    // surfaces of the job, which counts parts between creases, and rows of cells, one by one
     size_t cells, patches, exact_patches, control_points, triangles;
     int degree[2];                // the largest in r and in t
     double height, cell_size;     // in force, length units
     kn_normal_certificate normal; // over all pieces in use
     double normal_tol;            // in force
     int max_degree;               // in force
-    // Bound of |patch - T(D)| where a stand-in for n is used, length units; 0: none is. Where D reaches beyond the
+    // Bound of |patch - T(D)| where a stand-in for n is used, length units, the thickness included; 0: none is. Where D reaches beyond the
     // surface's domain T(D) is S + w times its unit normal there, and not kn_shell_eval, which extends n.
     double stand_in_error;
     double jacobian_lo, jacobian_hi; // kn_shell_jacobian_bounds over the heights that the tile occupies
@@ -203,8 +215,8 @@ typedef struct kn_job_report {
 
 // Stable identity of an output patch.
 typedef struct kn_patch_id {
-    int surface; // of the job, which counts pieces between creases and rows of cells as surfaces (kn_job_origin)
-    int cell[2]; // of that surface
+    int surface; // of the base
+    int cell[2]; // counted over the whole of it, also where the job takes it in parts (kn_job_origin)
     int part;    // of the tile
     int patch;   // Bezier patch of the part, counted over its surfaces
     int piece;   // 0 .. when a patch had to be subdivided
@@ -243,14 +255,16 @@ KN_API void kn_sink_close(kn_ctx *ctx, kn_sink *sink); // idempotent
 
 typedef struct kn_job kn_job;
 
-// Plans tile x cells over the surfaces (dim 3, two variables; copied, as the tile is). Counts, shells and
-// subdivisions are decided here. A tile patch that crosses cell lines along
-// its own parameter lines is cut there and continues in the next cell (wrapped where the surface is closed, on the
-// surface at the other side of a shared edge where cell lines and normals, to ten normal_tol, go on over it, and else
-// on its own extended surface); otherwise it keeps its
-// cell, over a box that reaches beyond it. Where S has a crease inside, n jumps, and a patch cut there is torn. Where
-// no polynomial normal of low degree over the whole cell is within normal_tol, patches are composed over smaller
-// boxes and bisected as needed.
+// Plans tile x cells over the surfaces (dim 3, two variables, or all of them volumes of three; copied, as the tile is).
+// Counts, shells and subdivisions are decided here. A surface with creases (kn_shell_split_creases, a tenth of
+// normal_tol) is taken in parts, each with a shell of its own, unless a direction is given: a tile that reaches over a
+// crease goes on over the extended surface of its own side, and a count is shared among the parts.
+//
+// A tile patch that crosses cell lines along its own parameter lines is cut there and continues in the next cell
+// (wrapped where the surface is closed, on the surface at the other side of a shared edge where cell lines, normals, to
+// ten normal_tol, and fields go on over it, and else on its own extended surface); otherwise it keeps its cell, over a
+// box that reaches beyond it. Where no polynomial normal of low degree over the whole cell is within normal_tol,
+// patches are composed over smaller boxes and bisected as needed.
 //
 // out:    *out, ended by kn_job_destroy.
 // fails:  as kn_shell_create, kn_spline_check and kn_tile_check; KN_EDOMAIN options negative or not finite, fewer
@@ -263,15 +277,17 @@ KN_API KN_CHECKED kn_status kn_job_create(kn_ctx *ctx, kn_job **out, const kn_sp
                                           const kn_tile *tile, const kn_job_options *options);
 KN_API void kn_job_destroy(kn_ctx *ctx, kn_job *job);
 KN_API kn_job_report kn_job_describe(const kn_job *job);
-// The tile as placed (rotated), whose parts patches refer to; and the shell of one surface.
+// The tile as placed (rotated), whose parts patches refer to; and the shell of one surface of the job, 0 .. nparts - 1
+// (NULL: no such).
 KN_API const kn_tile *kn_job_tile(const kn_job *job);
 KN_API const kn_shell *kn_job_shell(const kn_job *job, int surface);
-// Which surface of the base a surface of the job is a part of, and where its first cell is counted from there.
+// Which surface of the base a surface of the job is a part of (-1: no such surface), and the number of its first cell
+// among the cells of that one (NULL: not wanted).
 KN_API int kn_job_origin(const kn_job *job, int surface, int first_cell[2]);
-// The cell lines of a surface in variable var, in its own parameters: kn_shell_cells + 1 numbers. NULL: no such
+// The cell lines of a surface of the job in variable var, in its own parameters: kn_shell_cells + 1 numbers. NULL: no such
 // surface.
 KN_API const double *kn_job_lines(const kn_job *job, int surface, int var);
-// Where the (u,v) of a tile patch count from: the corner of this cell, which is [0,1]^2.
+// Where the (u,v) of a tile patch count from: the corner of this cell, which is [0,1]^2, of a surface of the job.
 typedef struct kn_patch_place {
     int surface, cell[2];
 } kn_patch_place;
