@@ -7,7 +7,7 @@
 #include <knurl/fit.h>
 #include <math.h>
 
-enum { LEAST = 3, MOST = 7, PLACES = 3, WRAP = 8 };
+enum { LEAST = 3, MOST = 7, PLACES = 3, WRAP = 16 };
 
 // ---- what is to be fitted ----
 
@@ -55,22 +55,22 @@ typedef struct axis {
 
 static kn_status make_axis(kn_ctx *ctx, axis *a, const kn_cells_target *f, int d, int degree)
 {
-    int n = f->n[d], wrap = !f->closed[d] ? 0 : n < WRAP ? n : WRAP, k = 0;
+    int n = f->n[d], wrap = f->closed[d] ? WRAP : 0, k = 0;
     size_t room = ((size_t)n + 2 * (size_t)wrap + 1) * ((size_t)degree + 1);
     double *all = kn_scratch(ctx, 3 * room, sizeof *all), first = f->lines[d][0], last = f->lines[d][n];
     if (!all) return KN_ENOMEM;
     *a = (axis){.wrap = wrap, .degree = degree, .knots = all, .sites = all + room, .at = all + 2 * room};
     for (int i = -wrap; i <= n + wrap; i++) {
-        int of = i < 0 ? i + n : i > n ? i - n : i;
+        int periods = i < 0 ? -((n - 1 - i) / n) : i > n ? (i - 1) / n : 0, of = i - periods * n;
         bool end = i == -wrap || i == n + wrap;
-        double line = f->lines[d][of] + (i < 0 ? first - last : i > n ? last - first : 0.0);
+        double line = f->lines[d][of] + periods * (last - first);
         for (int times = end ? degree + 1 : degree - f->smooth[d][of]; times > 0; times--) a->knots[k++] = line;
     }
     a->count = k - degree - 1;
     kn_status status = kn_fit_greville(ctx, a->sites, a->knots, degree, a->count);
     for (int i = 0; status == KN_OK && i < a->count; i++) {
-        double x = a->sites[i];
-        a->at[i] = x < first ? x + (last - first) : x > last ? x - (last - first) : x;
+        double x = a->sites[i], periods = x < first || x > last ? floor((x - first) / (last - first)) : 0.0;
+        a->at[i] = fmin(fmax(x - periods * (last - first), first), last);
     }
     return status;
 }

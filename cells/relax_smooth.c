@@ -10,7 +10,8 @@
 #include <math.h>
 #include <string.h>
 
-enum { WRAP = 8, DEPTH = 12, STEPS = 4 }; // cells that a closed variable goes on for, at each end
+// Cells that a closed variable goes on for, at each end: the other end counts 0.27^20 of itself at the seam.
+enum { WRAP = 20, DEPTH = 12, STEPS = 4 };
 
 // ---- interpolation ----
 
@@ -30,7 +31,7 @@ static int not_a_knot(double *knots, double *sites, int n, int wrap)
 // periods it is off.
 static int wrapped(int *periods, int i, int n)
 {
-    *periods = i < 0 ? -1 : i > n ? 1 : 0;
+    *periods = i < 0 ? -((n - 1 - i) / n) : i > n ? (i - 1) / n : 0;
     return i - *periods * n;
 }
 
@@ -52,7 +53,7 @@ static kn_status through_corners(kn_ctx *ctx, kn_spline *map, const kn_corner_gr
     int wrap[2], degree[2], count[2];
     double *knots[2], *sites[2];
     for (int d = 0; d < 2; d++) {
-        wrap[d] = !g->closed[d] ? 0 : g->n[d] < WRAP ? g->n[d] : WRAP;
+        wrap[d] = g->closed[d] ? WRAP : 0;
         count[d] = g->n[d] + 2 * wrap[d] + 1;
         knots[d] = kn_scratch(ctx, (size_t)count[d] + 4, sizeof *knots[d]);
         sites[d] = kn_scratch(ctx, (size_t)count[d], sizeof *sites[d]);
