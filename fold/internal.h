@@ -22,12 +22,9 @@ kn_status kn_fold_to_box(kn_ctx *ctx, kn_shell_jacobian_piece *p, const double l
 double kn_fold_first_root(const double *c, size_t step, const double *error, int top, double share, bool zero_at_0);
 
 // ---- sampled.c ----
-// J on a grid, for display: the powers of w of the Jacobian at points of the domain.
-typedef struct kn_fold_grid {
-    size_t n[2];
-    double *at[2]; // parameters
-    int top;
-    double *c; // c[(i * n[1] + j) * (top + 1) + k]: the coefficient of w^k
-} kn_fold_grid;
+// Parameters for display: `steps` equal ones for each cell, n[v] in all, their ends moved inwards by a little, where J
+// may vanish for all w. at[v]: kn_free.
+kn_status kn_fold_parameters(kn_ctx *ctx, double *at[2], size_t n[2], const kn_shell *shell, int steps);
+void kn_fold_clear_splines(kn_ctx *ctx, kn_spline *list, int n);
 
 #endif

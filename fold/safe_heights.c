@@ -238,6 +238,13 @@ static void take(double *height, double *most, double where[2], const side *s)
     for (int v = 0; v < 2; v++) where[v] = s->where[v];
 }
 
+// What was proved may exceed the height at which J counts as 0.
+static void settle(kn_fold_heights *h)
+{
+    h->above_most = fmax(h->above_most, h->above);
+    h->below_most = fmax(h->below_most, h->below);
+}
+
 static void gather(kn_fold_heights *cells, kn_fold_heights *overall, const job *a, size_t ncells)
 {
     double lo[2], hi[2];
@@ -252,6 +259,8 @@ static void gather(kn_fold_heights *cells, kn_fold_heights *overall, const job *
             take(&to[k]->below, &to[k]->below_most, to[k]->where_below, &a->side[i][1]);
         }
     }
+    for (size_t c = 0; c < ncells; c++) settle(&cells[c]);
+    settle(overall);
 }
 
 static kn_status compute(kn_ctx *ctx, job *a, kn_fold_heights *cells, kn_fold_heights *overall, size_t ncells)

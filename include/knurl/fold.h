@@ -60,11 +60,22 @@ typedef struct kn_fold_heights {
 KN_API KN_CHECKED kn_status kn_fold_safe_heights(kn_ctx *ctx, kn_fold_heights *cells, kn_fold_heights *overall,
                                                  const kn_shell *shell);
 
-// The zero set of the Jacobian for display: triangles in space, T of {J = 0} for w in [w0,w1].
+// The zero set of J for display: T of {J = 0}, w0 < w < w1, as triangles.
+// in:     steps >= 1: how often a cell is divided in each direction.
+// out:    a mesh, initialised (empty will do) and overwritten. Vertices: for each place of the grid the roots in w at
+//         which J changes its sign, to 2^-48 of the distance of the levels at which signs are looked at (some 4 for
+//         each power of w); neighbours are joined where each is the other's nearest. Where J only touches 0 (the
+//         centre of a sphere), or roots merge within the grid, the surface has no triangles.
+// fails:  KN_EDOMAIN (heights, steps), KN_ELIMIT (more than 2^26 places; as kn_shell_jacobian), KN_ENOMEM,
+//         KN_ECANCELLED; out unchanged.
+// cost:   kn_shell_jacobian, and about 1 us for each place and root.
 KN_API KN_CHECKED kn_status kn_fold_surface(kn_ctx *ctx, kn_mesh *out, const kn_shell *shell, double w0, double w1,
                                             int steps);
-// The curves {J(.,.,w) = 0} on the base as polylines in (u,v): points, two numbers each; *ends[i] is where line i
-// ends. kn_free both.
+// The curves {J(.,.,w) = 0} on the base as polylines in (u,v), for display: marching squares.
+// out:    *points: two numbers each; line i of *nlines has the points (*ends)[i-1] .. (*ends)[i] - 1, the first from
+//         0; a closed line ends with its first point. kn_free both. Points lie on lines of the grid, at changes of
+//         sign of J, to 2^-48 of its meshes; between them the curve is not looked at.
+// in, fails, cost: as kn_fold_surface.
 KN_API KN_CHECKED kn_status kn_fold_curves(kn_ctx *ctx, double **points, size_t **ends, size_t *nlines,
                                            const kn_shell *shell, double w, int steps);
 
