@@ -8,6 +8,7 @@
 #include <string.h>
 
 enum { STEPS = 16 };
+static const double STILL = 0x1p-51; // of a cell
 
 // The box of a cell.
 static const double *box_of(const kn_finder *f, size_t cell)
@@ -121,13 +122,16 @@ static bool certain_in(kn_finder *f, const kn_found *r, const double *lo, const 
     if (!kn_left_inverse(f->y, jacobian, n, n)) return false;
     double kappa = kappa_across(f, lo, hi);
     if (!(kappa < 0.8)) return false;
-    for (int step = 0; step < STEPS; step++) { // Newton's, inside the cell: boxes start from their middle
+    bool moves = true;
+    for (int step = 0; step < STEPS && moves; step++) { // Newton's, inside the cell: boxes start from their middle
         kn_cell_value(f->cells, r->cell, at, value, error, f->work);
+        moves = false;
         for (int i = 0; i < n && step < STEPS - 1; i++) {
-            double move = 0.0;
+            double move = 0.0, from = at[i];
             for (int k = 0; k < n; k++) move += f->y[i * n + k] * value[k];
-            at[i] = fmin(fmax(at[i] - move * (hi[i] - lo[i]) / (box[n + i] - box[i]), fmin(at[i], 0.0)),
-                         fmax(at[i], 1.0));
+            double to = fmin(fmax(from - move * (hi[i] - lo[i]) / (box[n + i] - box[i]), fmin(from, 0.0)),
+                             fmax(from, 1.0));
+            if (fabs(to - from) > STILL) at[i] = to, moves = true; // else value is good for this place
         }
     }
     for (int i = 0; i < n; i++) {
