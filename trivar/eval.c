@@ -79,18 +79,17 @@ kn_status kn_shell_eval(kn_ctx *ctx, double point[3], double *jacobian, const kn
 }
 
 // S_u x S_v itself, where the shell keeps no directions.
-static kn_status cross_normal(kn_ctx *ctx, double unit[3], const kn_spline *surface, const double at[2])
+static kn_status cross_normal(kn_ctx *ctx, double unit[3], const kn_shell *shell, const double at[2])
 {
     double d[9], n[3], largest = 0.0, length = 0.0;
-    kn_status status = kn_spline_derivatives(ctx, d, surface, at, 1);
+    kn_status status = kn_spline_derivatives(ctx, d, &shell->surface, at, 1);
     if (status != KN_OK) return status;
     for (int c = 0; c < 3; c++) {
         int a = (c + 1) % 3, b = (c + 2) % 3;
         n[c] = d[3 + a] * d[6 + b] - d[3 + b] * d[6 + a];
         largest = fmax(largest, fabs(n[c]));
     }
-    if (!(largest > 0.0) || !isfinite(largest))
-        return kn_fail(ctx, KN_EUNDEFINED, "shell: the surface has no normal at (%.17g, %.17g)", at[0], at[1]);
+    if (!(largest > 0.0) || !isfinite(largest)) return kn_fail_normal(ctx, shell, at, true);
     for (int c = 0; c < 3; c++) length += n[c] / largest * (n[c] / largest);
     for (int c = 0; c < 3; c++) unit[c] = n[c] / largest / sqrt(length);
     return KN_OK;
@@ -102,14 +101,14 @@ kn_status kn_shell_unit_normal(kn_ctx *ctx, double normal[3], const kn_shell *sh
     double x[2], unit[3];
     int span[2];
     if (!isfinite(u) || !isfinite(v)) return kn_fail(ctx, KN_EDOMAIN, "shell: normal at (%g, %g)", u, v);
-    if (!shell->direction) return cross_normal(ctx, normal, &shell->surface, at);
+    if (!shell->direction) return cross_normal(ctx, normal, shell, at);
     for (int k = 0; k < 2; k++) {
         const double *knot = shell->knot[k];
         span[k] = kn_interval(knot, shell->nknots[k], at[k]);
         x[k] = (at[k] - knot[span[k]]) / (knot[span[k] + 1] - knot[span[k]]);
     }
     if (!kn_direction_unit(unit, &shell->direction[span[0] * (shell->nknots[1] - 1) + span[1]].n, x))
-        return kn_fail(ctx, KN_EUNDEFINED, "shell: the surface has no normal at (%.17g, %.17g)", u, v);
+        return kn_fail_normal(ctx, shell, at, true);
     for (int c = 0; c < 3; c++) normal[c] = unit[c];
     return KN_OK;
 }

@@ -64,40 +64,19 @@ static kn_status value_row(kn_ctx *ctx, values *w, int i)
 
 // ---- edges that are one point ----
 
-// True where all control points of the edge of S are one point, to 1e-12 of the surface's size.
-static bool collapsed(const kn_spline *s, int var, bool at_end, double size)
-{
-    size_t count = kn_spline_count(s), cross = (size_t)s->count[1 - var];
-    size_t first = at_end ? (size_t)(s->count[var] - 1) : 0, step = var == 0 ? 1 : (size_t)s->count[1];
-    first *= var == 0 ? cross : 1;
-    for (size_t c = 0; c < 3; c++)
-        for (size_t k = 0; k < cross; k++) {
-            size_t at = first + k * step;
-            double w = s->rational ? s->coef[3 * count + at] : 1.0,
-                   w0 = s->rational ? s->coef[3 * count + first] : 1.0;
-            if (!(fabs(s->coef[c * count + at] / w - s->coef[c * count + first] / w0) <= 1e-12 * size)) return false;
-        }
-    return true;
-}
-
-// Where the normals along such an edge agree, they become one vector bit for bit, and so does T there: a point of S
-// stays one fibre, without a slit. *same tells.
-static void unify_edge(values *w, int var, bool at_end, bool *same)
+// The normals along a pole become one vector bit for bit, and so does T there: a point of S stays one fibre, without a
+// slit. At an apex each parameter line keeps its own limit.
+static void unify_edge(values *w, int var, bool at_end)
 {
     size_t nu = (size_t)w->u->count, nv = (size_t)w->v->count, plane = nu * nv;
     size_t cross = var == 0 ? nv : nu, step = var == 0 ? 1 : nv;
     size_t first = at_end ? (var == 0 ? (nu - 1) * nv : nv - 1) : 0;
     double mean[3] = {0}, square = 0.0;
-    *same = true;
     for (size_t c = 0; c < 3; c++) {
-        for (size_t k = 0; k < cross; k++) {
-            double x = w->data[c * plane + first + k * step];
-            mean[c] += x;
-            if (!(fabs(x - w->data[c * plane + first]) <= 1e-10)) *same = false;
-        }
+        for (size_t k = 0; k < cross; k++) mean[c] += w->data[c * plane + first + k * step];
         square += mean[c] * mean[c];
     }
-    for (size_t k = 0; k < 3 * cross && *same; k++)
+    for (size_t k = 0; k < 3 * cross; k++)
         w->data[k / cross * plane + first + k % cross * step] = mean[k / cross] / sqrt(square);
 }
 
@@ -130,20 +109,18 @@ static kn_status interpolate(kn_ctx *ctx, values *w)
 {
     const kn_shell *s = w->shell;
     size_t nu = (size_t)w->u->count, nv = (size_t)w->v->count;
-    bool same[2][2] = {{false}};
+    bool pole[2][2] = {{false}};
     kn_status status = KN_OK;
-    double lo[3], hi[3];
     for (int i = 0; i < w->u->count && status == KN_OK; i++) status = value_row(ctx, w, i);
-    if (status == KN_OK) status = kn_spline_box(ctx, lo, hi, &s->surface);
     if (status != KN_OK) return status;
-    double size = fmax(hi[0] - lo[0], fmax(hi[1] - lo[1], hi[2] - lo[2]));
-    for (int e = 0; e < 4; e++)
-        if (w->ncomp == 3 && collapsed(&s->surface, e / 2, e % 2, size))
-            unify_edge(w, e / 2, e % 2, &same[e / 2][e % 2]);
+    for (int e = 0; e < 4 && w->ncomp == 3; e++) {
+        pole[e / 2][e % 2] = kn_edge_of(s, e / 2, e % 2).kind == KN_EDGE_POLE;
+        if (pole[e / 2][e % 2]) unify_edge(w, e / 2, e % 2);
+    }
     status = solve(ctx, w->data, w->u, w->ncomp, nv);
     if (status == KN_OK) status = solve(ctx, w->data, w->v, w->ncomp * nu, 1);
     for (int e = 0; e < 4 && status == KN_OK; e++)
-        if (same[e / 2][e % 2]) flatten_edge(w, e / 2, e % 2);
+        if (pole[e / 2][e % 2]) flatten_edge(w, e / 2, e % 2);
     return status;
 }
 

@@ -64,6 +64,9 @@ double kn_gamma(double k);
 enum { KN_LEAST_DEGREE = 3 }; // of n in one variable, or of m where n = N m
 // Records that S has no normal at a place (singular), or that it could not be decided whether it has one near it.
 kn_status kn_fail_normal(kn_ctx *ctx, const kn_shell *shell, const double at[2], bool singular);
+// ---- edges.c ----
+// What the edge at this end of variable var is.
+kn_shell_edge kn_edge_of(const kn_shell *shell, int var, int end);
 
 // ---- shell.c ----
 // Lines, closed directions and pieces, from the surface, the fields and the options' lines.

@@ -12,7 +12,7 @@ enum { DEFAULT_DEGREE = 5, DEFAULT_SPANS = 4096, HIGHEST_DEGREE = 12 };
 
 kn_shell_options kn_shell_defaults(void)
 {
-    return (kn_shell_options){.normal_tol = default_tol, .max_degree = DEFAULT_DEGREE, .max_spans = DEFAULT_SPANS};
+    return (kn_shell_options){.normal_tol = default_tol, .max_spans = DEFAULT_SPANS};
 }
 
 // ---- life ----
@@ -72,7 +72,7 @@ kn_status kn_shell_resolve(kn_ctx *ctx, kn_shell_options *out, const kn_shell_op
 {
     kn_shell_options o = options ? *options : kn_shell_defaults();
     if (o.normal_tol == 0.0) o.normal_tol = default_tol;
-    if (o.max_degree == 0) o.max_degree = DEFAULT_DEGREE;
+    if (o.max_degree == 0) o.max_degree = o.normal == KN_NORMAL_FITTED ? DEFAULT_DEGREE : KN_LEAST_DEGREE;
     if (o.max_spans == 0) o.max_spans = DEFAULT_SPANS;
     if (o.normal != KN_NORMAL_FITTED && o.normal != KN_NORMAL_EXACT_DIRECTION)
         return kn_fail(ctx, KN_EDOMAIN, "shell: normal %d is no method", (int)o.normal);

@@ -41,28 +41,39 @@ typedef struct kn_shell_options {
     const double *lines[2];
     int nlines[2];
     double normal_tol; // the largest length error and angle error allowed; 0: 1e-6
-    int max_degree;    // of n in one variable, at least 3, lowered where S has high degrees (as below); 0: 5
+    // Of n in one variable, of m where n = N m; at least 3, lowered where S has high degrees (as below). 0: 5, or 3 for
+    // m, of which the degree of N m is made: more leave fewer spans.
+    int max_degree;
     int max_spans;     // knot intervals of n in one variable, beyond which refinement gives up; 0: 4096
 } kn_shell_options;
 
 KN_API kn_shell_options kn_shell_defaults(void);
 
-// The shell of a surface (nvars 2, dim 3, polynomial or rational), which is copied. n is a spline of degrees 3 ..
-// max_degree in each variable, the lowest that do, C2 or smoother wherever S is C3 or smoother, whose knots contain
-// the cell lines and more lines where the tolerance asks for them. It interpolates N/|N|, so that its coefficients
-// along an edge depend on N and on the knots along that edge alone. An edge of S that is collapsed to a point is
-// divided out of N exactly first. At a knot where S is C1 or less n is joined if both sides agree, and else it jumps
-// there. out:    *out is the caller's: kn_shell_destroy. A shell is never written to afterwards: any number of
-// threads may
+// The shell of a surface (nvars 2, dim 3, polynomial or rational), which is copied. N is S_u x S_v over each knot span,
+// with the factors that vanish along its edges divided out exactly (of S = P/W: W^3 times it). The knots of n contain
+// the cell lines, and more lines where the tolerance asks for them.
+//   KN_NORMAL_FITTED: degrees 3 .. max_degree in each variable, the lowest that do; C2 or smoother wherever S is C3 or
+// smoother. n interpolates N/|N|, so that its coefficients along an edge depend on N/|N| and on the knots along that
+// edge alone; where S is one point with one normal, n is one vector.
+//   KN_NORMAL_EXACT_DIRECTION: degrees of N plus 3 .. max_degree. n = N m, m a spline that interpolates 1/|N|: the
+// angle error is rounding. n is as smooth as S_u x S_v and m. Along an edge that two surfaces share, and where they
+// touch, their n agree when |S_u x S_v| of the two is the same but for one factor, and else to the tolerance, in length
+// alone; at a pole too the length varies by as much. Beside a factor that was divided out n is C0 on the next line.
+//   At a knot where S is C1 or less n is joined if both sides agree (of N m: in length too, but for one factor along the
+// line), and else it jumps there.
+// out:    *out is the caller's: kn_shell_destroy. A shell is never written to afterwards: any number of threads may
 //         use it, each with a context of its own.
 //         With a direction of its own S needs no normal, and is not asked for one.
 // fails:  KN_EDOMAIN (shapes, options, lines, fields over another domain, a thickness that is not certainly positive,
 //         a surface of zero area: the message says which), KN_EUNDEFINED (no normal at some point: the message names
-//         it), KN_EUNDECIDED (normal_tol not met within max_spans, or below about
-//         1e-12, what rounding leaves), KN_ELIMIT (more cells than max_spans, max_degree above 12, a degree p of S
-//         with 2 p - 1, of a rational S 3 p - 1, above KN_MAX_DEGREE - 3: n and S_u x S_v are multiplied), KN_ENOMEM.
-// error:  kn_shell_certificate bounds the whole of it.
-// cost:   about 20 us for each span of n and round of refinement; a patch of the Utah teapot at 1e-6: 3 to 150 ms.
+//         it, in the parameters and in space), KN_EUNDECIDED (normal_tol not met within max_spans, or below about
+//         1e-12, what rounding leaves; a surface so wild that the search for points without a normal would take some
+//         seconds), KN_ELIMIT (more cells than max_spans, max_degree above 12, a degree p of S with 2 p - 1, of a
+//         rational S 3 p - 1, above KN_MAX_DEGREE - 3, with an exact direction above KN_MAX_DEGREE / 2 - 3: N and n are
+//         multiplied), KN_ENOMEM.
+// error:  kn_shell_certificate bounds the whole of it; docs/normals.md.
+// cost:   about 20 us for each span of n and round of refinement, twice that with an exact direction; a patch of the
+//         Utah teapot at 1e-6: 3 to 150 ms.
 // source: Elber 2005, sidebar "Unit Normal Field Approximation"; de Boor & Pinkus, Numer. Math. 27 (1977).
 KN_API KN_CHECKED kn_status kn_shell_create(kn_ctx *ctx, kn_shell **out, const kn_spline *surface,
                                             const kn_shell_options *options);
@@ -146,9 +157,12 @@ typedef enum kn_edge_kind {
 typedef struct kn_shell_edge {
     kn_edge_kind kind;
     double point[3]; // of a pole or apex
-    int order;       // how often the vanishing factor was divided out of S_u x S_v there
+    int order;       // how often the vanishing factor was divided out of S_u x S_v there, the most of all spans
 } kn_shell_edge;
-// edges[variable][end]. At an apex each parameter line keeps its own limit of the normal: the shell opens there.
+// edges[variable][end]. One point: all control points of the edge, to 1e-12 of the surface's size. One normal: all
+// coefficients of N along the edge, to 1e-10 of the largest. At an apex each parameter line keeps its own limit of the
+// normal: the shell opens there, into the arc or circle that n draws at distance w. Where S is no base of normals (a
+// direction of its own, a volume) every collapsed edge is a pole of order 0.
 KN_API void kn_shell_edges(const kn_shell *shell, kn_shell_edge edges[2][2]);
 
 // ---- pieces ----

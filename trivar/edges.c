@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the edges of the domain are: curves, poles, or an apex.
+#include "trivar/internal.h"
+
+#include <math.h>
+
+static const double alike = 1e-10; // normals that count as one: sines of angles
+
+// The largest side of the box of the control points.
+static double size_of(const kn_spline *s)
+{
+    size_t count = kn_spline_count(s);
+    double size = 0.0;
+    for (size_t c = 0; c < 3; c++) {
+        double lo = INFINITY, hi = -INFINITY;
+        for (size_t i = 0; i < count; i++) {
+            double x = s->coef[c * count + i] / (s->rational ? s->coef[3 * count + i] : 1.0);
+            lo = fmin(lo, x), hi = fmax(hi, x);
+        }
+        size = fmax(size, hi - lo);
+    }
+    return size;
+}
+
+// True where all control points of the edge of S are one point, to 1e-12 of the surface's size.
+static bool collapsed(double point[3], const kn_spline *s, int var, int end)
+{
+    size_t count = kn_spline_count(s), cross = (size_t)s->count[1 - var];
+    size_t first = end ? (size_t)(s->count[var] - 1) : 0, step = var == 0 ? 1 : (size_t)s->count[1];
+    double near = 1e-12 * size_of(s);
+    first *= var == 0 ? cross : 1;
+    for (size_t c = 0; c < 3; c++)
+        for (size_t k = 0; k < cross; k++) {
+            size_t at = first + k * step;
+            double x = s->coef[c * count + at] / (s->rational ? s->coef[3 * count + at] : 1.0);
+            if (k == 0) point[c] = x;
+            if (!(fabs(x - point[c]) <= near)) return false;
+        }
+    return true;
+}
+
+// Whether all coefficients of n along the edge are parallel to the unit vector d, and n points its way.
+static bool along(const kn_bezier *n, int var, int end, const double d[3])
+{
+    size_t count = kn_bezier_count(n), cross = (size_t)n->degree[1 - var] + 1;
+    size_t step = var == 0 ? 1 : (size_t)n->degree[1] + 1, first = end ? (size_t)n->degree[var] : 0;
+    if (var == 0) first *= cross;
+    double largest = 0.0, off = 0.0, forward = 0.0;
+    for (size_t k = 0; k < cross; k++) {
+        const double *c = n->coef + first + k * step;
+        double a[3] = {c[0], c[count], c[2 * count]}, square = 0.0, x = 0.0;
+        for (int i = 0; i < 3; i++) {
+            double out = a[(i + 1) % 3] * d[(i + 2) % 3] - a[(i + 2) % 3] * d[(i + 1) % 3];
+            square += a[i] * a[i], x += out * out;
+            if (k == 0) forward += a[i] * d[i]; // at a corner: n has a direction there, and keeps it along the edge
+        }
+        largest = fmax(largest, square), off = fmax(off, x);
+    }
+    return forward > 0.0 && sqrt(off) <= alike * sqrt(largest);
+}
+
+kn_shell_edge kn_edge_of(const kn_shell *s, int var, int end)
+{
+    kn_shell_edge edge = {.kind = KN_EDGE_CURVE};
+    double point[3], d[3], corner[2] = {0.0, 0.0};
+    bool pole = collapsed(point, &s->surface, var, end);
+    if (pole) edge.kind = KN_EDGE_POLE;
+    for (int c = 0; c < 3 && pole; c++) edge.point[c] = point[c];
+    int columns = s->nknots[1] - 1, spans = s->nknots[1 - var] - 1, row = end ? s->nknots[var] - 2 : 0;
+    corner[var] = end;
+    for (int j = 0; j < spans && s->direction; j++) {
+        const kn_direction *here = &s->direction[var == 0 ? row * columns + j : j * columns + row];
+        if (j == 0) (void)kn_direction_unit(d, &here->n, corner);
+        if (here->order[var][end] > edge.order) edge.order = here->order[var][end];
+        if (pole && !along(&here->n, var, end, d)) edge.kind = KN_EDGE_APEX;
+    }
+    return edge;
+}
+
+void kn_shell_edges(const kn_shell *shell, kn_shell_edge edges[2][2])
+{
+    for (int e = 0; e < 4; e++) edges[e / 2][e % 2] = kn_edge_of(shell, e / 2, e % 2);
+}
