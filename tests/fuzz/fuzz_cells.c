@@ -3,6 +3,7 @@
 #include "tests/fuzz/feed.h"
 
 #include <knurl/cells.h>
+#include <math.h>
 
 // A surface that is bent a little, or one of any shape and numbers.
 static void make_surface(feed *f, kn_spline *out)
@@ -113,17 +114,44 @@ static kn_status stretch(feed *f, const kn_spline *s)
     return status;
 }
 
+// Corners, then S of them: exactly, or fitted; or S of a map of any shape.
+static kn_status free_corners(feed *f, const kn_spline *s)
+{
+    const int count[2] = {feed_int(f, 0, 6), feed_int(f, 0, 6)};
+    const int flags = feed_byte(f);
+    kn_cells_relax_options o = {.closed = {flags % 2, flags / 2 % 2}, .fixed_edges = flags / 4 % 2};
+    o.all_knots = flags / 8 % 2, o.smooth = flags / 16 % 2, o.iterations = feed_int(f, 1, 12);
+    if (flags / 32 % 4 == 0) o.area = feed_number(f);
+    kn_spline map = {0}, out = {0};
+    double error = -1.0, tolerance = feed_byte(f) % 4 ? ldexp(1.0, -feed_int(f, 0, 30)) : feed_number(f);
+    kn_status status = kn_cells_relax(f->ctx, &map, s, count, &o);
+    if (status != KN_OK && feed_byte(f) % 2) { // what a caller may hand in
+        kn_ctx_clear_error(f->ctx);
+        feed_spline(f, &map, 2);
+        kn_ctx_clear_error(f->ctx);
+        status = KN_OK;
+    }
+    if (status == KN_OK)
+        status = feed_byte(f) % 2 ? kn_cells_compose(f->ctx, &out, s, &map)
+                                  : kn_cells_fit(f->ctx, &out, &error, s, &map, tolerance);
+    if (status == KN_OK && !out.coef) abort();
+    if (status == KN_OK && error != -1.0 && !(error >= 0.0 && error <= tolerance)) abort();
+    kn_spline_clear(f->ctx, &map), kn_spline_clear(f->ctx, &out);
+    return status;
+}
+
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
     feed f = feed_begin(data, size);
     kn_spline s[2] = {{0}};
-    int call = feed_byte(&f) % 8;
+    int call = feed_byte(&f) % 12;
     for (int k = 0; k < 2; k++) make_surface(&f, &s[k]);
     kn_ctx_clear_error(f.ctx);
     kn_status status = call < 3   ? lines(&f, call, s)
                        : call < 5 ? sizes(&f, call - 3, s)
                        : call < 6 ? bands(&f, s)
-                                  : stretch(&f, &s[0]);
+                       : call < 8 ? stretch(&f, &s[0])
+                                  : free_corners(&f, &s[0]);
     if ((status == KN_OK) != (kn_ctx_error(f.ctx) == KN_OK)) abort();
     for (int k = 0; k < 2; k++) kn_spline_clear(f.ctx, &s[k]);
     feed_end(&f);
