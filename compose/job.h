@@ -62,6 +62,7 @@ typedef struct kn_job_place {
 typedef struct kn_job_surface {
     int origin, origin_cell[2]; // kn_job_origin; no two surfaces of one origin have a cell number in common
     int part[2], parts[2];      // which part of the origin's grid of parts, which follow one another, u slowest
+    int count[2];               // as kn_job_base
     kn_shell *shell;
     int cells[2];
     bool closed[2];
@@ -115,6 +116,7 @@ double kn_job_mean_length(const kn_job_measure *m, int along);
 // A part of a base: the whole of it, or what lies between its creases. Splines that are empty are not there.
 typedef struct kn_job_base {
     int origin, part[2], parts[2];
+    int count[2];                               // of cells, where rows ask for them; 0: by the options
     kn_spline volume;                           // over [0,1] in w
     kn_spline thickness, direction, attraction; // over the part's domain; their knots are knots of its face
 } kn_job_base;
@@ -136,7 +138,15 @@ kn_status kn_job_share_count(kn_ctx *ctx, int (*counts)[2], const kn_job *job, i
 // origin_cell of all surfaces, whose cells are there.
 void kn_job_number_cells(kn_job *job);
 
+// ---- job_rows.c ----
+// Replaces each part by bands of rows (kn_cells_shared_bands), the same ones for parts side by side.
+kn_status kn_job_cut_rows(kn_ctx *ctx, kn_job_bases *bases, const kn_job *job);
+
 // ---- job_sizes.c ----
+// Of the box of all surfaces.
+kn_status kn_job_diagonal(kn_ctx *ctx, double *out, const kn_spline *surfaces, int nsurfaces);
+// o->size where it is not given.
+void kn_job_resolve_size(kn_job_options *o, double diagonal);
 // job->surfaces' counts, lines and partners, height, mesh_tol, patches and segments, from the options.
 kn_status kn_job_decide_sizes(kn_ctx *ctx, kn_job *job, const kn_spline *surfaces);
 // ---- job_shells.c ----

@@ -101,5 +101,8 @@ kn_status kn_job_counts(kn_ctx *ctx, int (*counts)[2], const kn_job *job, const 
                 status = kn_job_share_count(ctx, counts, job, s, along, count, surfaces, measures);
         }
     }
+    for (int s = 0; status == KN_OK && s < job->nsurfaces; s++)
+        for (int along = 0; along < 2; along++)
+            if (job->surfaces[s].count[along] > 0) counts[s][along] = job->surfaces[s].count[along];
     return status;
 }

@@ -4,7 +4,7 @@
 
 #include <math.h>
 
-static kn_status base_diagonal(kn_ctx *ctx, double *out, const kn_spline *surfaces, int nsurfaces)
+kn_status kn_job_diagonal(kn_ctx *ctx, double *out, const kn_spline *surfaces, int nsurfaces)
 {
     double least[3] = {INFINITY, INFINITY, INFINITY}, most[3] = {-INFINITY, -INFINITY, -INFINITY}, lo[3], hi[3];
     for (int s = 0; s < nsurfaces; s++) {
@@ -21,7 +21,7 @@ static kn_status base_diagonal(kn_ctx *ctx, double *out, const kn_spline *surfac
     return KN_OK;
 }
 
-static void resolve_size(kn_job_options *o, double diagonal)
+void kn_job_resolve_size(kn_job_options *o, double diagonal)
 {
     for (int d = 0; d < 2; d++)
         if (o->size[d] == 0.0) o->size[d] = o->size[1 - d] > 0.0 ? o->size[1 - d] : diagonal / 20.0;
@@ -103,11 +103,11 @@ kn_status kn_job_decide_sizes(kn_ctx *ctx, kn_job *job, const kn_spline *surface
     kn_job_class *classes = kn_alloc(ctx, 2 * n, sizeof *classes);
     double diagonal = 0.0;
     kn_status status = measures && counts && partners && classes
-                           ? base_diagonal(ctx, &diagonal, surfaces, job->nsurfaces)
+                           ? kn_job_diagonal(ctx, &diagonal, surfaces, job->nsurfaces)
                            : KN_ENOMEM;
     for (int s = 0; status == KN_OK && s < job->nsurfaces; s++)
         status = kn_job_measure_surface(ctx, &measures[s], &surfaces[s]);
-    resolve_size(o, diagonal);
+    kn_job_resolve_size(o, diagonal);
     job->diagonal = diagonal;
     if (status == KN_OK) status = kn_job_find_partners(ctx, partners, surfaces, job->nsurfaces, 1e-9 * diagonal);
     if (status == KN_OK) status = kn_job_find_classes(ctx, classes, partners, job->nsurfaces);

@@ -2,7 +2,7 @@
 // The surfaces of a job: what is left of the bases between their creases, each with its part of the fields.
 //
 // A part is an origin and a box of it, on the grid that the cuts through the origin make. Further cuts are further
-// steps: each replaces a part by several, with add_part.
+// steps: each replaces a part by several (job_rows.c).
 #include "compose/job.h"
 
 #include <math.h>
@@ -239,6 +239,7 @@ kn_status kn_job_split(kn_ctx *ctx, kn_job_bases *bases, kn_job *job, const kn_s
     for (int s = 0; s < nsurfaces && status == KN_OK; s++)
         status = surfaces[s].nvars == 3 ? add_volume(ctx, bases, &surfaces[s], s)
                                         : add_surface(ctx, bases, o, &surfaces[s], s);
+    if (status == KN_OK && o->rows) status = kn_job_cut_rows(ctx, bases, job);
     if (status == KN_OK) status = measure_w(ctx, &job->w_length, o, bases);
     if (status == KN_OK) job->surfaces = kn_alloc_zero(ctx, (size_t)bases->n, sizeof *job->surfaces);
     if (status == KN_OK && !job->surfaces) status = KN_ENOMEM;
@@ -249,7 +250,10 @@ kn_status kn_job_split(kn_ctx *ctx, kn_job_bases *bases, kn_job *job, const kn_s
     for (int i = 0; i < bases->n; i++) {
         const kn_job_base *b = &bases->list[i];
         job->surfaces[i].origin = b->origin;
-        for (int v = 0; v < 2; v++) job->surfaces[i].part[v] = b->part[v], job->surfaces[i].parts[v] = b->parts[v];
+        for (int v = 0; v < 2; v++) {
+            job->surfaces[i].part[v] = b->part[v], job->surfaces[i].parts[v] = b->parts[v];
+            job->surfaces[i].count[v] = b->count[v];
+        }
     }
     if (bases->list[0].volume.coef && o->height == 0.0) o->height = 1.0;
     return KN_OK;
