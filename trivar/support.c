@@ -9,7 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { MAX_BOXES = 16384, MAX_OPEN = 512, STACK = 128 };
+enum { MAX_BOXES = 16384, LEAST_BOXES = 256, WORK = 1 << 22, MAX_OPEN = 512, STACK = 128 };
 
 static bool in_box(const double *lo, const double *hi, const double *p)
 {
@@ -272,7 +272,8 @@ static kn_status solve_leaves(kn_ctx *ctx, list *l, bool *complete, bool *curve,
     kn_root *roots = NULL;
     size_t n = 0;
     cells.net.ncomp = 3;
-    o.max_boxes = MAX_BOXES;
+    size_t boxes = WORK / (3 * v->net.count);
+    o.max_boxes = boxes > MAX_BOXES ? MAX_BOXES : boxes < LEAST_BOXES ? LEAST_BOXES : boxes;
     o.max_undecided = MAX_OPEN;
     memcpy(cells.lo, v->lo, sizeof v->lo);
     memcpy(cells.hi, v->hi, sizeof v->hi);

@@ -234,7 +234,8 @@ typedef struct kn_support {
 // fails:  KN_EDOMAIN (not finite), KN_ENOMEM, KN_ECANCELLED; outputs unchanged.
 // error:  none: boxes are certified of T itself, with the rounding of its coefficients inside (docs/numerics.md).
 // cost:   30 to 90 us where T is regular (bicubic, rational biquadratic), three times that on borders of pieces, up
-//         to 0.2 s at a fold: at most 16384 boxes are looked at, and 512 at one time.
+//         to 0.2 s at a fold: at most 16384 boxes are looked at (fewer where degrees are high: 4 million coefficients),
+//         and 512 at one time.
 // source: as kn_solve_zeros.
 KN_API KN_CHECKED kn_status kn_shell_support(kn_ctx *ctx, kn_support **supports, size_t *n, bool *complete,
                                              const kn_shell_inverse *inverse, const double point[3]);

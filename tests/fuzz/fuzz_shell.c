@@ -4,6 +4,8 @@
 
 #include <knurl/knurl.h>
 
+#include <math.h>
+
 // A surface near the unit square in dimension 3: what bytes make at random has no normal mostly.
 static void make_surface(feed *f, kn_spline *s)
 {
@@ -54,6 +56,50 @@ static void use_shell(feed *f, const kn_shell *shell)
     if (cell[0] > 100 || cell[0] < -100) cell[0] = 100;
     if (kn_shell_piece_init(f->ctx, &piece, &fits, shell, cell, lo, hi, feed_wild(f, 0, 8)) == KN_OK && fits)
         kn_shell_piece_clear(f->ctx, &piece);
+}
+
+// A point that T has made must be in one of the boxes; all boxes reach into the domain.
+static void use_inverse(feed *f, const kn_shell *shell)
+{
+    kn_shell_inverse *inverse = NULL;
+    kn_support *places = NULL;
+    kn_side side;
+    size_t n = 0;
+    bool complete, found = false;
+    double w0 = feed_number(f) / 8.0, w1 = feed_byte(f) % 8 ? w0 + 0.5 : feed_number(f), lo[2], hi[2], point[3];
+    double at[3] = {feed_byte(f) / 255.0, feed_byte(f) / 255.0, w0 + (w1 - w0) * (feed_byte(f) / 255.0)};
+    for (int v = 0; v < 2; v++) {
+        kn_spline_domain(kn_shell_surface(shell), v, &lo[v], &hi[v]);
+        at[v] = lo[v] + at[v] * (hi[v] - lo[v]);
+    }
+    bool made = kn_shell_eval(f->ctx, point, NULL, shell, at[0], at[1], at[2]) == KN_OK;
+    if (!made || feed_byte(f) % 4 == 0) made = false, point[0] = feed_number(f), point[1] = point[2] = 0.5;
+    if (kn_shell_inverse_create(f->ctx, &inverse, shell, w0, w1) != KN_OK) return;
+    if (kn_shell_support(f->ctx, &places, &n, &complete, inverse, point) == KN_OK) {
+        for (size_t i = 0; i < n; i++) {
+            bool in = true;
+            for (int d = 0; d < 3; d++) {
+                const kn_support *s = &places[i];
+                if (!(s->error[d] >= 0.0)) abort();
+                in = in && fabs(s->uvw[d] - at[d]) <= s->error[d];
+                in = in || (d < 2 && s->at_edge); // the other end of a closed variable
+            }
+            found = found || in;
+        }
+        if (made && !found) abort();
+    }
+    kn_free(f->ctx, places);
+    feed_any(kn_shell_side(f->ctx, &side, inverse, point));
+    kn_shell_inverse_destroy(f->ctx, inverse);
+}
+
+static void use_normals(feed *f, const kn_shell *shell)
+{
+    double at[3] = {feed_number(f), feed_number(f), feed_number(f)}, n[3], out[3];
+    for (int c = 0; c < 3; c++) n[c] = feed_number(f);
+    if (feed_byte(f) % 2) kn_spline_domain(kn_shell_surface(shell), 1, &at[1], &out[0]);
+    feed_any(kn_shell_map_normal(f->ctx, out, shell, at, n));
+    feed_any(kn_shell_map_normal_estimate(f->ctx, out, shell, at, n));
 }
 
 static bool make_tile(feed *f, kn_tile *tile)
@@ -135,7 +181,11 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
         jobs(&f, &surface);
     } else {
         kn_shell_options options = make_shell_options(&f);
-        if (kn_shell_create(f.ctx, &shell, &surface, &options) == KN_OK) use_shell(&f, shell);
+        if (kn_shell_create(f.ctx, &shell, &surface, &options) == KN_OK) {
+            use_shell(&f, shell);
+            use_normals(&f, shell);
+            use_inverse(&f, shell);
+        }
         kn_shell_destroy(f.ctx, shell);
     }
     kn_spline_clear(f.ctx, &surface);
