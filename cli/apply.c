@@ -143,7 +143,7 @@ int cli_command_apply(int argc, char **argv)
     double began = cli_seconds();
     if (code == EXIT_OK) code = cli_job_begin(session, &a.job);
     if (code == EXIT_OK) code = cli_read_tile(session, &tile, a.job.tile, a.job.has_cell ? a.job.cell : NULL);
-    if (code == EXIT_OK) code = cli_read_base(session, &base, a.job.base, false);
+    if (code == EXIT_OK) code = cli_read_base(session, &base, a.job.base, true);
     timing.read = cli_seconds() - began;
     if (code == EXIT_OK) code = apply(session, &a, &base, &tile, &timing);
     if (session) {

@@ -128,7 +128,6 @@ typedef struct cli_length {
     double value;
     double unit_mm; // 0: the base's
 } cli_length;
-typedef enum cli_side { CLI_ABOVE, CLI_BELOW, CLI_BOTH } cli_side;
 // A number or vector for the whole base, or a spline from a file.
 typedef enum cli_field_kind {
     CLI_FIELD_DIRECTION,
@@ -151,7 +150,6 @@ typedef struct cli_job {
     kn_job_options options; // lengths and fields once cli_job_begin has filled them in
     cli_length size[2], height, offset, mesh_tol, cells_tol;
     bool has_size;
-    cli_side side;
     cli_field field[CLI_FIELDS];
     double unit_mm;
     int threads;
@@ -162,18 +160,18 @@ typedef struct cli_job {
 cli_job cli_job_defaults(void);
 // One option of cli_job_options; false after a message.
 bool cli_job_set(cli_job *job, int option, const char *value);
-// Lengths in the base's unit, the side's heights, and fields read from their files, into job->options; exit code.
+// Lengths in the base's unit, and fields read from their files, into job->options; exit code.
 int cli_job_begin(cli_session *session, cli_job *job);
 void cli_job_end(cli_session *session, cli_job *job);
 int cli_read_field(cli_session *session, cli_field *field, cli_field_kind kind); // exit code
-// The heights that lie between 0 and the job's height on its side, lifted by the offset: lo < hi.
+// The heights from the base to the job's height on its side, lifted by the offset: lo <= hi.
 void cli_job_range(const cli_job *job, double range[2]);
 
 // Values that options and recipe keys share; each prints its own message.
 bool cli_set_rotation(const char *name, double degrees, kn_job_options *job);
 bool cli_set_max_degree(const char *name, const char *text, kn_job_options *job);
 bool cli_set_unit(const char *name, const char *text, double *unit_mm);
-bool cli_set_side(const char *name, const char *text, cli_side *side);
+bool cli_set_side(const char *name, const char *text, kn_job_options *job);
 bool cli_set_normal(const char *name, const char *text, kn_job_options *job);
 bool cli_set_spacing(const char *name, const char *text, kn_job_options *job);
 // "X,Y,Z" (thickness: one number) or the name of a .g2 file, which is kept, not copied.

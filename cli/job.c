@@ -81,7 +81,7 @@ bool cli_job_set(cli_job *job, int option, const char *value)
     case CLI_STRETCH: return o->stretch = true;
     case CLI_HEIGHT: return set_height(job, value);
     case CLI_OFFSET: return cli_length_of("--offset", value, &job->offset);
-    case CLI_SIDE: return cli_set_side("--side", value, &job->side);
+    case CLI_SIDE: return cli_set_side("--side", value, o);
     case CLI_ROTATE: return cli_double("--rotate", value, &number) && cli_set_rotation("--rotate", number, o);
     case CLI_NORMAL: return cli_set_normal("--normal", value, o);
     case CLI_NORMAL_TOL:
@@ -106,43 +106,31 @@ static double in_base_units(const cli_job *job, cli_length length)
     return length.unit_mm > 0 ? length.value * (length.unit_mm / job->unit_mm) : length.value;
 }
 
-// [0,h], [-h,0] or [-h,h] for w in [0,1].
-static int resolve_heights(cli_job *job)
+void cli_job_range(const cli_job *job, double range[2])
+{
+    const kn_job_options *o = &job->options;
+    double h = fabs(o->height);
+    range[0] = o->side == KN_JOB_ABOVE ? fmin(0.0, o->height) : -h;
+    range[1] = o->side == KN_JOB_ABOVE ? fmax(0.0, o->height) : o->side == KN_JOB_BOTH ? h : 0.0;
+    for (int end = 0; end < 2; end++) range[end] += o->offset;
+}
+
+int cli_job_begin(cli_session *session, cli_job *job)
 {
     kn_job_options *o = &job->options;
+    int code = EXIT_OK;
     o->height = in_base_units(job, job->height);
     o->offset = in_base_units(job, job->offset);
     o->cells_tol = in_base_units(job, job->cells_tol);
     o->mesh_tol = in_base_units(job, job->mesh_tol);
     for (int d = 0; d < 2 && job->has_size; d++) o->size[d] = in_base_units(job, job->size[d]);
-    if (job->side == CLI_ABOVE) return EXIT_OK;
-    if (o->height == 0) {
-        cli_error("--side %s needs --height", job->side == CLI_BOTH ? "both" : "below");
-        return EXIT_USAGE;
-    }
-    double h = fabs(o->height);
-    o->height = job->side == CLI_BOTH ? 2 * h : -h;
-    if (job->side == CLI_BOTH) o->offset -= h;
-    return EXIT_OK;
-}
-
-void cli_job_range(const cli_job *job, double range[2])
-{
-    const kn_job_options *o = &job->options;
-    range[0] = o->offset + fmin(0.0, o->height);
-    range[1] = o->offset + fmax(0.0, o->height);
-}
-
-int cli_job_begin(cli_session *session, cli_job *job)
-{
-    int code = resolve_heights(job);
     for (int f = 0; f < CLI_FIELDS && code == EXIT_OK; f++)
         code = cli_read_field(session, &job->field[f], (cli_field_kind)f);
     const kn_spline *fields[CLI_FIELDS];
     for (int f = 0; f < CLI_FIELDS; f++) fields[f] = job->field[f].given ? &job->field[f].spline : NULL;
-    job->options.direction = fields[CLI_FIELD_DIRECTION];
-    job->options.thickness = fields[CLI_FIELD_THICKNESS];
-    job->options.attraction = fields[CLI_FIELD_ATTRACTION];
+    o->direction = fields[CLI_FIELD_DIRECTION];
+    o->thickness = fields[CLI_FIELD_THICKNESS];
+    o->attraction = fields[CLI_FIELD_ATTRACTION];
     return code;
 }
 

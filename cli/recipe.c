@@ -177,7 +177,7 @@ static bool layer_key(const recipe *r, const char *key, const json_t *value)
         return get_length(r, key, value, &job->height, false) &&
                (job->height.value != 0 || bad(r, key, "a length other than 0"));
     if (strcmp(key, "offset") == 0) return get_length(r, key, value, &job->offset, false);
-    if (strcmp(key, "side") == 0) return cli_set_side(in_recipe(r, key).text, text ? text : "", &job->side);
+    if (strcmp(key, "side") == 0) return cli_set_side(in_recipe(r, key).text, text ? text : "", &job->options);
     if (strcmp(key, "rotate") == 0)
         return get_number(r, key, value, &number) && cli_set_rotation(in_recipe(r, key).text, number, &job->options);
     if (strcmp(key, "direction") == 0) return get_field(r, key, value, CLI_FIELD_DIRECTION);

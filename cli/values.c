@@ -97,11 +97,11 @@ static int choice(const char *name, const char *text, const char *const *names, 
     return -1;
 }
 
-bool cli_set_side(const char *name, const char *text, cli_side *side)
+bool cli_set_side(const char *name, const char *text, kn_job_options *job)
 {
-    static const char *const names[] = {[CLI_ABOVE] = "above", [CLI_BELOW] = "below", [CLI_BOTH] = "both"};
+    static const char *const names[] = {[KN_JOB_ABOVE] = "above", [KN_JOB_BELOW] = "below", [KN_JOB_BOTH] = "both"};
     int i = choice(name, text, names, 3, "above, below or both");
-    if (i >= 0) *side = (cli_side)i;
+    if (i >= 0) job->side = (kn_job_side)i;
     return i >= 0;
 }
 
