@@ -13,6 +13,9 @@ static kn_status check(kn_ctx *ctx, const kn_spline *surface, const int count[2]
     if (status != KN_OK) return status;
     for (int d = 0; d < 2; d++)
         if (count[d] < 1) return kn_fail(ctx, KN_EDOMAIN, "relax: %d cells in variable %d", count[d], d);
+    for (int d = 0; d < 2 && status == KN_OK; d++)
+        if (o->lines[d]) status = kn_cells_expect_lines(ctx, "relax", surface, d, o->lines[d], count[d] + 1, true);
+    if (status != KN_OK) return status;
     if ((size_t)count[0] > KN_MAX_COEFS / 64 / (size_t)count[1])
         return kn_fail(ctx, KN_ELIMIT, "relax: %d x %d cells", count[0], count[1]);
     if (o->iterations < 0) return kn_fail(ctx, KN_EDOMAIN, "relax: %d iterations", o->iterations);
@@ -51,9 +54,9 @@ kn_status kn_cells_relax(kn_ctx *ctx, kn_spline *map, const kn_spline *surface, 
     if (status != KN_OK) return status;
     kn_mark mark = kn_scratch_mark(ctx);
     kn_corner_grid g = {.surface = surface, .n = {count[0], count[1]}, .closed = {o->closed[0], o->closed[1]}};
-    g.fixed_edges = o->fixed_edges;
+    memcpy(g.fixed, o->fixed, sizeof g.fixed);
     g.area = o->area > 0.0 ? o->area : 4.0;
-    status = kn_relax_start(ctx, &g, o->all_knots);
+    status = kn_relax_start(ctx, &g, o->lines, o->all_knots);
     if (status == KN_OK && !kn_corners_unfolded(&g, g.corners))
         status = kn_fail(ctx, KN_EUNDECIDED, "relax: %d x %d cells, too many to tell apart", count[0], count[1]);
     double *start = status == KN_OK ? kn_scratch(ctx, kn_corner_count(&g), 2 * sizeof *start) : NULL;

@@ -12,7 +12,7 @@ typedef struct kn_corner_grid {
     int n[2];
     bool closed[2];
     char *held[2];    // held[d][i]: line i of variable d is a knot of S; its corners keep their place in variable d
-    bool fixed_edges; // corners on the edges of the domain do not move at all
+    bool fixed[2][2]; // corners on this edge do not move at all
     double *corners;
     double size[2]; // of the cell that all of them should be, along both variables
     double area;    // how much areas count beside shapes
@@ -26,8 +26,8 @@ static inline size_t kn_corner_count(const kn_corner_grid *g)
 bool kn_corner_moves(const kn_corner_grid *g, int i, int j, int d);
 
 // ---- relax_start.c ----
-// Corners, held lines (in scratch) and the size of cells from even lines.
-kn_status kn_relax_start(kn_ctx *ctx, kn_corner_grid *g, bool all_knots);
+// Corners, held lines (in scratch) and the size of cells from lines; NULL: even ones.
+kn_status kn_relax_start(kn_ctx *ctx, kn_corner_grid *g, const double *const lines[2], bool all_knots);
 
 // ---- relax_energy.c ----
 // Whether all cells of these corners are bilinear maps without a fold, certified.

@@ -20,12 +20,10 @@
 bool kn_corner_moves(const kn_corner_grid *g, int i, int j, int d)
 {
     const int at[2] = {i, j};
-    int other = 1 - d;
-    bool edge = i == 0 || j == 0 || i == g->n[0] || j == g->n[1];
     if (at[d] == 0 || at[d] == g->n[d] || g->held[d][at[d]]) return false;
-    bool seam = g->closed[other] && !(at[d] == 0 || at[d] == g->n[d]);
-    if (seam && (at[other] == 0 || at[other] == g->n[other])) return true;
-    return !(edge && g->fixed_edges);
+    for (int e = 0; e < 2; e++)
+        if ((at[e] == 0 && g->fixed[e][0]) || (at[e] == g->n[e] && g->fixed[e][1])) return false;
+    return true;
 }
 
 // (b - a) x (c - a) > 0, less the rounding of two differences, a product and a difference.

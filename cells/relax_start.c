@@ -6,6 +6,7 @@
 #include "kernel/knots.h"
 
 #include <math.h>
+#include <string.h>
 
 // The line nearest to x, between lo and hi.
 static int nearest(const double *lines, int lo, int hi, double x)
@@ -83,7 +84,20 @@ static kn_status wanted_size(kn_ctx *ctx, kn_corner_grid *g)
     return KN_OK;
 }
 
-kn_status kn_relax_start(kn_ctx *ctx, kn_corner_grid *g, bool all_knots)
+// Lines that were given: all of hold[] are among them.
+static kn_status given_lines(kn_ctx *ctx, char *held, const double *lines, int var, int count, const double *hold,
+                             int nhold)
+{
+    int h = 0;
+    for (int i = 0; i <= count; i++) {
+        held[i] = h < nhold && lines[i] == hold[h];
+        h += held[i];
+    }
+    if (h == nhold) return KN_OK;
+    return kn_fail(ctx, KN_EDOMAIN, "relax: the knot %g in variable %d is not among the lines", hold[h], var);
+}
+
+kn_status kn_relax_start(kn_ctx *ctx, kn_corner_grid *g, const double *const given[2], bool all_knots)
 {
     double *lines[2];
     size_t row = (size_t)g->n[1] + 1;
@@ -98,7 +112,9 @@ kn_status kn_relax_start(kn_ctx *ctx, kn_corner_grid *g, bool all_knots)
         if (nhold >= g->n[d])
             return kn_fail(ctx, KN_EDOMAIN, "relax: %d cells in variable %d, and %d knots that lines have to keep",
                            g->n[d], d, nhold);
-        kn_status status = start_lines(ctx, lines[d], g->held[d], g->surface, d, g->n[d], hold, nhold);
+        if (given[d]) memcpy(lines[d], given[d], ((size_t)g->n[d] + 1) * sizeof *lines[d]);
+        kn_status status = given[d] ? given_lines(ctx, g->held[d], lines[d], d, g->n[d], hold, nhold)
+                                    : start_lines(ctx, lines[d], g->held[d], g->surface, d, g->n[d], hold, nhold);
         if (status != KN_OK) return status;
     }
     for (int i = 0; i <= g->n[0]; i++)

@@ -103,8 +103,10 @@ KN_API KN_CHECKED kn_status kn_cells_shared_bands(kn_ctx *ctx, kn_cells_band **b
 
 // Zero means the default in every field.
 typedef struct kn_cells_relax_options {
+    // Where corners begin: count[d] + 1 increasing numbers from one end of the domain to the other. NULL: even lines.
+    const double *lines[2];
+    bool fixed[2][2]; // [variable][end]: corners on that edge stay where the lines put them, to match a neighbour
     bool closed[2];   // corners of the two ends move together
-    bool fixed_edges; // corners on the edges of the domain stay where even lines put them (to match a neighbour)
     bool all_knots;   // lines stay on all knots of S, not only where it is C1 at most: for kn_cells_compose
     bool smooth;      // map: bicubic and C2 through the corners, so that nothing has a kink at lines of cells
     double area;      // how much even areas count beside even shapes, which count 1; 0: 4
@@ -113,14 +115,15 @@ typedef struct kn_cells_relax_options {
 // map: (s,t) in [0,count[0]] x [0,count[1]] -> (u,v), bilinear in each cell (degree 1, simple knots at integers), or
 // smooth (degree 3, the same knots), onto S's domain and nowhere folded (certified), whose cells are as nearly
 // rectangles of one size on S as a search finds.
-// in:     count[d] >= 1, and more than the knots whose lines are held. options NULL: the defaults.
+// in:     count[d] >= 1, and more than the knots whose lines are held, which lines given have to contain. options
+//         NULL: the defaults.
 // out:    corners on the edges of the domain stay on them, and its own four corners where they are. Lines of cells
 //         stay on knots at which S is C1 at most (kinks, the quarters of circles), corners slide along them. The cell
 //         that all should be has the mean area, and the proportion of the mean lengths of S both ways over the
-//         counts. The energy of the corners is that of kn_cells_even_lines at most. smooth: fewer than 4 lines in a
+//         counts. The energy of the corners is that of the lines at most. smooth: fewer than 4 lines in a
 //         variable give its degree less; over the seam of a closed variable the map goes on as smoothly. The same
 //         bits every time.
-// fails:  KN_EDOMAIN count, options, a surface without area; KN_EUNDECIDED lines so near that a cell is not certain to
+// fails:  KN_EDOMAIN count, lines, options, a surface without area; KN_EUNDECIDED lines so near that a cell is not certain to
 //         be without a fold at the start, or that no smooth map is; KN_ELIMIT, KN_ECANCELLED.
 // cost:   about 3 us a cell and iteration; it ends when four in turn gain less than 1e-5 of the energy each. 40 x 40
 //         cells of a patch of the teapot: 0.1 to 0.2 s.

@@ -168,7 +168,7 @@ static void shared_edges(void **state)
     kn_spline whole = {0}, part[2] = {{0}}, map[2] = {{0}}, out[2] = {{0}};
     hills(ctx, &whole);
     assert_int_equal(kn_spline_subdivide(ctx, &part[0], &part[1], &whole, 0, 0.5), KN_OK);
-    const kn_cells_relax_options o = {.fixed_edges = true};
+    const kn_cells_relax_options o = {.fixed = {{true, true}, {true, true}}};
     for (int k = 0; k < 2; k++) {
         const double half[1] = {k == 0 ? 0.0 : 0.5};
         assert_true(part[k].knots[0][0] == half[0]);

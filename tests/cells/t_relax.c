@@ -255,7 +255,7 @@ static void evener(void **state)
     test_ctx_end(ctx, &memory);
 }
 
-// fixed_edges: corners on the edges are where even lines put them, bit for bit; fewer cells than knot spans.
+// fixed: corners on the edges are where even lines put them, bit for bit; fewer cells than knot spans.
 static void fixed(void **state)
 {
     (void)state;
@@ -265,7 +265,7 @@ static void fixed(void **state)
     double *lines[2];
     const int n[2] = {9, 7};
     hills(ctx, &s);
-    const kn_cells_relax_options o = {.fixed_edges = true};
+    const kn_cells_relax_options o = {.fixed = {{true, true}, {true, true}}};
     assert_int_equal(kn_cells_relax(ctx, &map, &s, n, &o), KN_OK);
     for (int d = 0; d < 2; d++) assert_int_equal(kn_cells_even_lines(ctx, &lines[d], &s, d, n[d]), KN_OK);
     double *at = corners_of(&map);
@@ -290,6 +290,33 @@ static void fixed(void **state)
     const double corners[8] = {0, 0, 1, 1, 0, 1, 0, 1};
     assert_memory_equal(map.coef, corners, sizeof corners);
     for (int d = 0; d < 2; d++) kn_free(ctx, lines[d]);
+    kn_spline_clear(ctx, &s), kn_spline_clear(ctx, &map);
+    test_ctx_end(ctx, &memory);
+}
+
+// Lines of the caller's: three edges stay on them, corners of the fourth slide.
+static void given(void **state)
+{
+    (void)state;
+    test_memory memory = TEST_MEMORY_INIT;
+    kn_ctx *ctx = test_ctx(&memory, 1);
+    kn_spline s = {0}, map = {0};
+    const double lines[2][6] = {{0, 0.1, 0.3, 0.6, 0.8, 1}, {0, 0.3, 0.4, 0.6, 1}};
+    const int n[2] = {5, 4};
+    hills(ctx, &s);
+    const kn_cells_relax_options o = {.lines = {lines[0], lines[1]}, .fixed = {{true, false}, {true, true}}};
+    assert_int_equal(kn_cells_relax(ctx, &map, &s, n, &o), KN_OK);
+    double *at = corners_of(&map);
+    for (int i = 0; i <= n[0]; i++)
+        for (int j = 0; j <= n[1]; j++) {
+            const double *c = at + 2 * (i * (n[1] + 1) + j);
+            bool same = c[0] == lines[0][i] && c[1] == lines[1][j];
+            if (i == 0 || j == 0 || j == n[1])
+                assert_true(same);
+            else
+                assert_true(!same && (i < n[0] || c[0] == 1));
+        }
+    free(at);
     kn_spline_clear(ctx, &s), kn_spline_clear(ctx, &map);
     test_ctx_end(ctx, &memory);
 }
@@ -381,6 +408,10 @@ static void fails(void **state)
     refused(ctx, KN_EDOMAIN, &s, n, &(kn_cells_relax_options){.area = -1});
     refused(ctx, KN_EDOMAIN, &s, n, &(kn_cells_relax_options){.area = NAN});
     refused(ctx, KN_EDOMAIN, &s, (const int[]){3, 3}, &(kn_cells_relax_options){.all_knots = true});
+    const double few[5] = {0, 0.2, 0.4, 0.7, 1}, late[5] = {0.1, 0.2, 0.4, 0.7, 1}, back[5] = {0, 0.4, 0.2, 0.7, 1};
+    refused(ctx, KN_EDOMAIN, &s, n, &(kn_cells_relax_options){.lines = {late, NULL}});
+    refused(ctx, KN_EDOMAIN, &s, n, &(kn_cells_relax_options){.lines = {NULL, back}});
+    refused(ctx, KN_EDOMAIN, &s, n, &(kn_cells_relax_options){.lines = {few, NULL}, .all_knots = true});
     assert_int_equal(kn_construct_line(ctx, &curve, 3, origin, axis), KN_OK);
     refused(ctx, KN_EDOMAIN, &curve, n, NULL);
     assert_int_equal(kn_construct_cone(ctx, &cone, origin, axis, 1, 0.5), KN_OK);
@@ -419,9 +450,9 @@ static void memory_fails(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(known_square), cmocka_unit_test(gradients),    cmocka_unit_test(falls),
-        cmocka_unit_test(evener),       cmocka_unit_test(fixed),        cmocka_unit_test(smooth),
-        cmocka_unit_test(fails),        cmocka_unit_test(memory_fails),
+        cmocka_unit_test(known_square), cmocka_unit_test(gradients), cmocka_unit_test(falls),
+        cmocka_unit_test(evener),       cmocka_unit_test(fixed),     cmocka_unit_test(given),
+        cmocka_unit_test(smooth),       cmocka_unit_test(fails),     cmocka_unit_test(memory_fails),
     };
     return cmocka_run_group_tests_name("cells/relax", tests, NULL, NULL);
 }

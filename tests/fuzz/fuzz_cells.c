@@ -119,9 +119,10 @@ static kn_status free_corners(feed *f, const kn_spline *s)
 {
     const int count[2] = {feed_int(f, 0, 6), feed_int(f, 0, 6)};
     const int flags = feed_byte(f);
-    kn_cells_relax_options o = {.closed = {flags % 2, flags / 2 % 2}, .fixed_edges = flags / 4 % 2};
-    o.all_knots = flags / 8 % 2, o.smooth = flags / 16 % 2, o.iterations = feed_int(f, 1, 12);
-    if (flags / 32 % 4 == 0) o.area = feed_number(f);
+    kn_cells_relax_options o = {.closed = {flags % 2, flags / 2 % 2},
+                                .fixed = {{flags / 4 % 2, flags / 8 % 2}, {flags / 4 % 2}}};
+    o.all_knots = flags / 64 % 2, o.smooth = flags / 16 % 2, o.iterations = feed_int(f, 1, 12);
+    if (flags / 32 % 2 == 0) o.area = feed_number(f);
     kn_spline map = {0}, out = {0};
     double error = -1.0, tolerance = feed_byte(f) % 4 ? ldexp(1.0, -feed_int(f, 0, 30)) : feed_number(f);
     kn_status status = kn_cells_relax(f->ctx, &map, s, count, &o);
