@@ -23,14 +23,17 @@ double kn_largest_vector(const kn_bezier *b, int first, int count)
     size_t n = kn_bezier_count(b);
     const double *coef = b->coef + (size_t)first * n;
     double most = 0.0, largest = 0.0;
-    for (size_t i = 0; i < (size_t)count * n; i++) most = fmax(most, fabs(coef[i]));
-    if (!(most > 0.0) || isinf(most)) return most;
+    for (size_t i = 0; i < (size_t)count * n; i++) most = fabs(coef[i]) > most ? fabs(coef[i]) : most;
+    if (!(most > 0.0) || isinf(most) || count == 1) return most;
+    int exponent; // squares of the numbers themselves may underflow
+    (void)frexp(most, &exponent);
+    double scale = exponent > -1000 ? ldexp(1.0, -exponent) : 0x1p1000;
     for (size_t i = 0; i < n; i++) {
-        double square = 0.0; // of quotients: squares of the numbers themselves may underflow
-        for (size_t c = 0; c < (size_t)count; c++) square += coef[c * n + i] / most * (coef[c * n + i] / most);
-        largest = fmax(largest, square);
+        double square = 0.0;
+        for (size_t c = 0; c < (size_t)count; c++) square += coef[c * n + i] * scale * (coef[c * n + i] * scale);
+        largest = square > largest ? square : largest;
     }
-    return most * sqrt(largest);
+    return sqrt(largest) / scale;
 }
 
 double kn_gamma(double k)

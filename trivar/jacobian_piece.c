@@ -1,237 +1,227 @@
 // SPDX-License-Identifier: Apache-2.0
 // The Jacobian of T over one box of the shell's grid.
 #include "kernel/context.h"
+#include "kernel/knots.h"
 #include "trivar/internal.h"
 
 #include <math.h>
 
-void kn_shell_jacobian_piece_clear(kn_ctx *ctx,
-                                   kn_shell_jacobian_piece *piece) {
-  kn_bezier_clear(ctx, &piece->j);
-  kn_bezier_clear(ctx, &piece->denominator);
-  *piece = (kn_shell_jacobian_piece){0};
+void kn_shell_jacobian_piece_clear(kn_ctx *ctx, kn_shell_jacobian_piece *piece)
+{
+    kn_bezier_clear(ctx, &piece->j);
+    kn_bezier_clear(ctx, &piece->denominator);
+    *piece = (kn_shell_jacobian_piece){0};
 }
 
-void kn_shell_jacobian_grid(const kn_shell *shell, int boxes[3]) {
-  for (int v = 0; v < 2; v++)
-    boxes[v] = shell->ncuts[v] - 1;
-  boxes[2] = shell->volume.coef ? kn_spline_spans(&shell->volume, 2) : 1;
+void kn_shell_jacobian_grid(const kn_shell *shell, int boxes[3])
+{
+    for (int v = 0; v < 2; v++) boxes[v] = shell->ncuts[v] - 1;
+    boxes[2] = shell->volume.coef ? kn_spline_spans(&shell->volume, 2) : 1;
 }
 
-// The largest vector of coefficients of a spline, and of its weights.
-static void largest_point(double *vector, double *weight, const kn_spline *s) {
-  size_t count = kn_spline_count(s);
-  *vector = *weight = 0.0;
-  for (size_t k = 0; k < count; k++) {
-    const double *c = s->coef + k;
-    *vector = fmax(*vector, sqrt(c[0] * c[0] + c[count] * c[count] +
-                                 c[2 * count] * c[2 * count]));
-    if (s->rational)
-      *weight = fmax(*weight, c[3 * count]);
-  }
+// The largest vector and weight among the control points that act on the box around `at`.
+static void acting(double *vector, double *weight, const kn_spline *s, const double *at)
+{
+    size_t count = kn_spline_count(s), n = 1, dim = (size_t)kn_spline_dim(s), first[3] = {0}, side[3] = {1, 1, 1};
+    double square = 0.0;
+    *weight = 0.0;
+    for (int v = 0; v < s->nvars; v++) {
+        side[v] = (size_t)s->degree[v] + 1;
+        first[v] = (size_t)(kn_knots_span(s->knots[v], s->degree[v], s->count[v], at[v]) - s->degree[v]);
+        n *= side[v];
+    }
+    for (size_t k = 0; k < n; k++) {
+        size_t index[3] = {k / side[2] / side[1], k / side[2] % side[1], k % side[2]}, flat = 0;
+        for (int v = 0; v < s->nvars; v++) flat = flat * (size_t)s->count[v] + first[v] + index[v];
+        const double *c = s->coef + flat;
+        double length = 0.0;
+        for (size_t m = 0; m < dim; m++) length += c[m * count] * c[m * count];
+        square = length > square ? length : square;
+        if (s->rational) *weight = fmax(*weight, c[dim * count]);
+    }
+    *vector = sqrt(square);
 }
 
 // The extent of S, less a translation: of its control points.
-static double extent(const kn_spline *s) {
-  size_t count = kn_spline_count(s);
-  double size = 0.0;
-  for (size_t c = 0; c < 3; c++) {
-    double lo = INFINITY, hi = -INFINITY;
-    for (size_t k = 0; k < count; k++) {
-      double x =
-          s->coef[c * count + k] / (s->rational ? s->coef[3 * count + k] : 1.0);
-      lo = fmin(lo, x), hi = fmax(hi, x);
+static double extent(const kn_spline *s)
+{
+    size_t count = kn_spline_count(s);
+    double size = 0.0;
+    for (size_t c = 0; c < 3; c++) {
+        double lo = INFINITY, hi = -INFINITY;
+        for (size_t k = 0; k < count; k++) {
+            double x = s->coef[c * count + k] / (s->rational ? s->coef[3 * count + k] : 1.0);
+            lo = fmin(lo, x), hi = fmax(hi, x);
+        }
+        size = fmax(size, hi - lo);
     }
-    size = fmax(size, hi - lo);
-  }
-  return size;
+    return size;
 }
 
-static void clear_map(kn_ctx *ctx, kn_box_map *map) {
-  for (int k = 0; k < KN_BOX_TERMS; k++)
-    kn_bezier_clear(ctx, &map->term[k]);
-  kn_bezier_clear(ctx, &map->weight);
+static void clear_map(kn_ctx *ctx, kn_box_map *map)
+{
+    for (int k = 0; k < KN_BOX_TERMS; k++) kn_bezier_clear(ctx, &map->term[k]);
+    kn_bezier_clear(ctx, &map->weight);
 }
 
 // ---- S + w h n + fields ----
 
 // The box in the coordinates of the span of S that holds it.
 typedef struct place {
-  size_t span;
-  double lo[2], hi[2];
+    size_t span;
+    double lo[2], hi[2], middle[2]; // the middle in the parameters of T
 } place;
 
-static place locate(kn_box_map *map, const kn_shell *s, const int at[2]) {
-  place p = {0};
-  for (int v = 0; v < 2; v++) {
-    const double *cut = s->cut[v] + at[v], *knot = s->knot[v];
-    int from = kn_interval(knot, s->nknots[v], cut[0]);
-    double a = knot[from], width = knot[from + 1] - a;
-    p.lo[v] = (cut[0] - a) / width;
-    p.hi[v] = cut[1] == knot[from + 1] ? 1.0 : (cut[1] - a) / width;
-    p.span = v == 0 ? (size_t)from
-                    : p.span * (size_t)(s->nknots[1] - 1) + (size_t)from;
-    map->width[v] = cut[1] - cut[0];
-    map->span[v] = knot[s->nknots[v] - 1] - knot[0];
-  }
-  return p;
+static place locate(kn_box_map *map, const kn_shell *s, const int at[2])
+{
+    place p = {0};
+    for (int v = 0; v < 2; v++) {
+        const double *cut = s->cut[v] + at[v], *knot = s->knot[v];
+        int from = kn_interval(knot, s->nknots[v], cut[0]);
+        double a = knot[from], width = knot[from + 1] - a;
+        p.lo[v] = (cut[0] - a) / width;
+        p.hi[v] = cut[1] == knot[from + 1] ? 1.0 : (cut[1] - a) / width;
+        p.span = v == 0 ? (size_t)from : p.span * (size_t)(s->nknots[1] - 1) + (size_t)from;
+        p.middle[v] = cut[0] + 0.5 * (cut[1] - cut[0]);
+        map->width[v] = cut[1] - cut[0];
+        map->span[v] = knot[s->nknots[v] - 1] - knot[0];
+    }
+    return p;
 }
 
 // What extraction leaves in a piece of a spline, in units of its largest
 // control point, which may exceed the piece.
-static double extraction(const kn_spline *s) {
-  int top = 8;
-  for (int v = 0; v < s->nvars; v++)
-    top += s->degree[v];
-  return kn_gamma(32.0 * top);
+static double extraction(const kn_spline *s)
+{
+    int top = 8;
+    for (int v = 0; v < s->nvars; v++) top += s->degree[v];
+    return kn_gamma(32.0 * top);
 }
 
-static kn_status take_surface(kn_ctx *ctx, kn_box_map *map, const kn_shell *s,
-                              const place *p) {
-  kn_bezier piece = {0};
-  double vector, weight;
-  kn_status status =
-      kn_bezier_restrict(ctx, &piece, &s->span[p->span], p->lo, p->hi);
-  if (status == KN_OK)
-    status = kn_bezier_components(ctx, &map->term[0], &piece, 0, 3);
-  if (status == KN_OK && piece.rational)
-    status = kn_bezier_components(ctx, &map->weight, &piece, 3, 1);
-  largest_point(&vector, &weight, &s->surface);
-  map->error[0] = extraction(&s->surface) * vector;
-  map->weight_error = extraction(&s->surface) * weight;
-  map->weight_size = piece.rational ? weight : 1.0;
-  map->size = extent(&s->surface);
-  kn_bezier_clear(ctx, &piece);
-  return status;
+static kn_status take_surface(kn_ctx *ctx, kn_box_map *map, const kn_shell *s, const place *p)
+{
+    kn_bezier piece = {0};
+    double vector, weight;
+    kn_status status = kn_bezier_restrict(ctx, &piece, &s->span[p->span], p->lo, p->hi);
+    if (status == KN_OK) status = kn_bezier_components(ctx, &map->term[0], &piece, 0, 3);
+    if (status == KN_OK && piece.rational) status = kn_bezier_components(ctx, &map->weight, &piece, 3, 1);
+    acting(&vector, &weight, &s->surface, p->middle);
+    map->error[0] = extraction(&s->surface) * vector;
+    map->weight_error = extraction(&s->surface) * weight;
+    map->weight_size = piece.rational ? weight : 1.0;
+    map->size = extent(&s->surface);
+    kn_bezier_clear(ctx, &piece);
+    return status;
 }
 
 // h n: the error of a product, beside those of its factors.
-static kn_status take_thickness(kn_ctx *ctx, kn_box_map *map, const kn_shell *s,
-                                const place *p) {
-  kn_bezier h = {0}, *n = &map->term[1];
-  double size = kn_largest_vector(n, 0, 3), most = 0.0;
-  kn_status status =
-      kn_bezier_restrict(ctx, &h, &s->thickness.span[p->span], p->lo, p->hi);
-  if (status == KN_OK)
-    status = kn_bezier_product(ctx, n, n, &h);
-  for (size_t k = 0; k < kn_spline_count(&s->thickness.whole); k++)
-    most = fmax(most, fabs(s->thickness.whole.coef[k]));
-  double error = extraction(&s->thickness.whole) * most;
-  if (status == KN_OK) {
-    double round =
-        kn_gamma(2.0 * (double)kn_bezier_count(&h) + 64.0) * size * most;
-    map->error[1] =
-        1.001 * (map->error[1] * (most + error) + error * size + round);
-  }
-  kn_bezier_clear(ctx, &h);
-  return status;
+static kn_status take_thickness(kn_ctx *ctx, kn_box_map *map, const kn_shell *s, const place *p)
+{
+    kn_bezier h = {0}, *n = &map->term[1];
+    double size = kn_largest_vector(n, 0, 3), most, none;
+    kn_status status = kn_bezier_restrict(ctx, &h, &s->thickness.span[p->span], p->lo, p->hi);
+    if (status == KN_OK) status = kn_bezier_product(ctx, n, n, &h);
+    acting(&most, &none, &s->thickness.whole, p->middle);
+    double error = extraction(&s->thickness.whole) * most;
+    if (status == KN_OK) {
+        double round = kn_gamma(2.0 * (double)kn_bezier_count(&h) + 64.0) * size * most;
+        map->error[1] = 1.001 * (map->error[1] * (most + error) + error * size + round);
+    }
+    kn_bezier_clear(ctx, &h);
+    return status;
 }
 
-static kn_status take_terms(kn_ctx *ctx, kn_box_map *map, const kn_shell *s,
-                            const int at[2]) {
-  place p = locate(map, s, at);
-  double vector, weight;
-  map->nvars = 2, map->nterms = 1;
-  kn_status status = take_surface(ctx, map, s, &p);
-  if (status == KN_OK && s->normal.coef) {
-    status =
-        kn_bezier_copy(ctx, &map->term[1],
-                       &s->normal_piece[at[0] * (s->ncuts[1] - 1) + at[1]]);
-    largest_point(&vector, &weight, &s->normal);
-    map->error[1] = extraction(&s->normal) * vector;
-    map->power[1] = 1, map->nterms = 2;
-    if (status == KN_OK && s->thickness.whole.coef)
-      status = take_thickness(ctx, map, s, &p);
-  }
-  for (int k = 0; k < s->nfields && status == KN_OK; k++) {
-    if (map->nterms == KN_BOX_TERMS)
-      return kn_fail(ctx, KN_ELIMIT,
-                     "shell: the Jacobian of more than %d terms",
-                     (int)KN_BOX_TERMS);
-    int t = map->nterms++;
-    status = kn_bezier_restrict(ctx, &map->term[t], &s->field[k].span[p.span],
-                                p.lo, p.hi);
-    largest_point(&vector, &weight, &s->field[k].whole);
-    map->error[t] = extraction(&s->field[k].whole) * vector;
-    map->power[t] = s->field[k].power;
-  }
-  return status;
+static kn_status take_terms(kn_ctx *ctx, kn_box_map *map, const kn_shell *s, const int at[2])
+{
+    place p = locate(map, s, at);
+    double vector, weight;
+    map->nvars = 2, map->nterms = 1;
+    kn_status status = take_surface(ctx, map, s, &p);
+    if (status == KN_OK && s->normal.coef) {
+        status = kn_bezier_copy(ctx, &map->term[1], &s->normal_piece[at[0] * (s->ncuts[1] - 1) + at[1]]);
+        acting(&vector, &weight, &s->normal, p.middle);
+        map->error[1] = extraction(&s->normal) * vector;
+        map->power[1] = 1, map->nterms = 2;
+        if (status == KN_OK && s->thickness.whole.coef) status = take_thickness(ctx, map, s, &p);
+    }
+    for (int k = 0; k < s->nfields && status == KN_OK; k++) {
+        if (map->nterms == KN_BOX_TERMS)
+            return kn_fail(ctx, KN_ELIMIT, "shell: the Jacobian of more than %d terms", (int)KN_BOX_TERMS);
+        int t = map->nterms++;
+        status = kn_bezier_restrict(ctx, &map->term[t], &s->field[k].span[p.span], p.lo, p.hi);
+        acting(&vector, &weight, &s->field[k].whole, p.middle);
+        map->error[t] = extraction(&s->field[k].whole) * vector;
+        map->power[t] = s->field[k].power;
+    }
+    return status;
 }
 
 // ---- a volume ----
 
-static kn_status take_volume(kn_ctx *ctx, kn_box_map *map, const kn_shell *s,
-                             const double lo[3], const double hi[3]) {
-  kn_spline part = {0};
-  double vector, weight;
-  map->nvars = 3, map->nterms = 1;
-  for (int v = 0; v < 3; v++) {
-    double a, b;
-    kn_spline_domain(&s->volume, v, &a, &b);
-    map->width[v] = hi[v] - lo[v];
-    map->span[v] = b - a;
-  }
-  kn_status status = kn_spline_restrict(ctx, &part, &s->volume, lo, hi);
-  kn_bezier piece = {.nvars = 3, .ncomp = part.ncomp, .coef = part.coef};
-  for (int v = 0; v < 3; v++)
-    piece.degree[v] = part.degree[v];
-  if (status == KN_OK)
-    status = kn_bezier_components(ctx, &map->term[0], &piece, 0, 3);
-  if (status == KN_OK && part.rational)
-    status = kn_bezier_components(ctx, &map->weight, &piece, 3, 1);
-  largest_point(&vector, &weight, &s->volume);
-  map->error[0] = extraction(&s->volume) * vector;
-  map->weight_error = extraction(&s->volume) * weight;
-  map->weight_size = part.rational ? weight : 1.0;
-  map->size = extent(&s->volume);
-  kn_spline_clear(ctx, &part);
-  return status;
+static kn_status take_volume(kn_ctx *ctx, kn_box_map *map, const kn_shell *s, const double lo[3], const double hi[3])
+{
+    kn_spline part = {0};
+    double vector, weight, middle[3];
+    map->nvars = 3, map->nterms = 1;
+    for (int v = 0; v < 3; v++) {
+        double a, b;
+        kn_spline_domain(&s->volume, v, &a, &b);
+        map->width[v] = hi[v] - lo[v];
+        middle[v] = lo[v] + 0.5 * (hi[v] - lo[v]);
+        map->span[v] = b - a;
+    }
+    kn_status status = kn_spline_restrict(ctx, &part, &s->volume, lo, hi);
+    kn_bezier piece = {.nvars = 3, .ncomp = part.ncomp, .coef = part.coef};
+    for (int v = 0; v < 3; v++) piece.degree[v] = part.degree[v];
+    if (status == KN_OK) status = kn_bezier_components(ctx, &map->term[0], &piece, 0, 3);
+    if (status == KN_OK && part.rational) status = kn_bezier_components(ctx, &map->weight, &piece, 3, 1);
+    acting(&vector, &weight, &s->volume, middle);
+    map->error[0] = extraction(&s->volume) * vector;
+    map->weight_error = extraction(&s->volume) * weight;
+    map->weight_size = part.rational ? weight : 1.0;
+    map->size = extent(&s->volume);
+    kn_spline_clear(ctx, &part);
+    return status;
 }
 
 // Knot interval `at` of the volume in w.
-static void heights(double *lo, double *hi, const kn_spline *volume, int at) {
-  const double *t = volume->knots[2] + volume->degree[2];
-  int n = volume->count[2] - volume->degree[2], seen = -1;
-  for (int k = 0; k < n; k++)
-    if (t[k] < t[k + 1] && ++seen == at)
-      *lo = t[k], *hi = t[k + 1];
+static void heights(double *lo, double *hi, const kn_spline *volume, int at)
+{
+    const double *t = volume->knots[2] + volume->degree[2];
+    int n = volume->count[2] - volume->degree[2], seen = -1;
+    for (int k = 0; k < n; k++)
+        if (t[k] < t[k + 1] && ++seen == at) *lo = t[k], *hi = t[k + 1];
 }
 
-kn_status kn_jacobian_box(kn_ctx *ctx, kn_shell_jacobian_piece *out,
-                          const kn_shell *shell, const int at[3],
-                          bool divided) {
-  kn_box_map map = {0};
-  kn_shell_jacobian_piece p = {.lo = {0.0, 0.0, -INFINITY},
-                               .hi = {0.0, 0.0, INFINITY}};
-  for (int v = 0; v < 2; v++) {
-    p.lo[v] = shell->cut[v][at[v]];
-    p.hi[v] = shell->cut[v][at[v] + 1];
-    p.cell[v] = kn_interval(shell->line[v], shell->nlines[v], p.lo[v]);
-  }
-  if (shell->volume.coef)
-    heights(&p.lo[2], &p.hi[2], &shell->volume, at[2]);
-  kn_status status = shell->volume.coef
-                         ? take_volume(ctx, &map, shell, p.lo, p.hi)
-                         : take_terms(ctx, &map, shell, at);
-  if (status == KN_OK)
-    status = kn_jacobian_of(ctx, &p, &map, divided);
-  clear_map(ctx, &map);
-  if (status == KN_OK)
-    *out = p;
-  else
-    kn_shell_jacobian_piece_clear(ctx, &p);
-  return status;
+kn_status kn_jacobian_box(kn_ctx *ctx, kn_shell_jacobian_piece *out, const kn_shell *shell, const int at[3],
+                          bool divided)
+{
+    kn_box_map map = {0};
+    kn_shell_jacobian_piece p = {.lo = {0.0, 0.0, -INFINITY}, .hi = {0.0, 0.0, INFINITY}};
+    for (int v = 0; v < 2; v++) {
+        p.lo[v] = shell->cut[v][at[v]];
+        p.hi[v] = shell->cut[v][at[v] + 1];
+        p.cell[v] = kn_interval(shell->line[v], shell->nlines[v], p.lo[v]);
+    }
+    if (shell->volume.coef) heights(&p.lo[2], &p.hi[2], &shell->volume, at[2]);
+    kn_status status = shell->volume.coef ? take_volume(ctx, &map, shell, p.lo, p.hi)
+                                          : take_terms(ctx, &map, shell, at);
+    if (status == KN_OK) status = kn_jacobian_of(ctx, &p, &map, divided);
+    clear_map(ctx, &map);
+    if (status == KN_OK)
+        *out = p;
+    else
+        kn_shell_jacobian_piece_clear(ctx, &p);
+    return status;
 }
 
-kn_status kn_shell_jacobian_piece_init(kn_ctx *ctx,
-                                       kn_shell_jacobian_piece *out,
-                                       const kn_shell *shell,
-                                       const int box[3]) {
-  int boxes[3];
-  kn_shell_jacobian_grid(shell, boxes);
-  for (int v = 0; v < 3; v++)
-    if (box[v] < 0 || box[v] >= boxes[v])
-      return kn_fail(ctx, KN_EDOMAIN, "shell: box %d of %d in variable %d",
-                     box[v], boxes[v], v);
-  return kn_jacobian_box(ctx, out, shell, box, true);
+kn_status kn_shell_jacobian_piece_init(kn_ctx *ctx, kn_shell_jacobian_piece *out, const kn_shell *shell,
+                                       const int box[3])
+{
+    int boxes[3];
+    kn_shell_jacobian_grid(shell, boxes);
+    for (int v = 0; v < 3; v++)
+        if (box[v] < 0 || box[v] >= boxes[v])
+            return kn_fail(ctx, KN_EDOMAIN, "shell: box %d of %d in variable %d", box[v], boxes[v], v);
+    return kn_jacobian_box(ctx, out, shell, box, true);
 }

@@ -1,0 +1,289 @@
+// SPDX-License-Identifier: Apache-2.0
+// Images that have a plane between them, or one through all that they share.
+#include "fold/meet.h"
+
+#include <string.h>
+
+static double dot(const double *a, const double *b)
+{
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+static void cross(double *out, const double *a, const double *b)
+{
+    out[0] = a[1] * b[2] - a[2] * b[1];
+    out[1] = a[2] * b[0] - a[0] * b[2];
+    out[2] = a[0] * b[1] - a[1] * b[0];
+}
+
+// Across the plane with normal v the boxes reach sum_i half_i |v . axis_i| from their centers. All is multiplied by
+// |v|, which need not be 1; the sums of a few products of rounded numbers are within 2^-48 of their absolute values.
+static bool is_between(const kn_oriented_box *a, const kn_oriented_box *b, const double *v, double shrink)
+{
+    double reach = 0.0, far = 0.0, size = 0.0;
+    for (int i = 0; i < 3; i++) {
+        reach += a->half[i] * fabs(dot(v, a->axis[i])) + b->half[i] * fabs(dot(v, b->axis[i]));
+        far += v[i] * (a->center[i] - b->center[i]);
+        size += fabs(v[i]) * (fabs(a->center[i]) + fabs(b->center[i]) + 2.0 * (a->half[i] + b->half[i]));
+        size += (a->half[i] + b->half[i]) * (fabs(v[0]) + fabs(v[1]) + fabs(v[2]));
+    }
+    return fabs(far) > shrink * reach + 0x1p-48 * size;
+}
+
+// The fifteen candidates of two boxes: their faces, and edges of one across edges of the other.
+bool kn_meet_separate(const kn_oriented_box *a, const kn_oriented_box *b, double shrink)
+{
+    double v[3];
+    for (int i = 0; i < 3; i++)
+        if (is_between(a, b, a->axis[i], shrink) || is_between(a, b, b->axis[i], shrink)) return true;
+    for (int i = 0; i < 3; i++)
+        for (int j = 0; j < 3; j++) {
+            cross(v, a->axis[i], b->axis[j]);
+            if (is_between(a, b, v, shrink)) return true;
+        }
+    return false;
+}
+
+// ---- a plane between control points ----
+
+// The least and the largest of v . x over a cloud; *at: where the least is.
+static void range(double *lo, double *hi, size_t *at, const kn_meet_cloud *c, const double *v)
+{
+    *lo = INFINITY, *hi = -INFINITY, *at = 0;
+    for (size_t k = 0; k < c->n; k++) {
+        double t = v[0] * c->x[k] + v[1] * c->x[c->room + k] + v[2] * c->x[2 * c->room + k];
+        if (t < *lo) *lo = t, *at = k;
+        *hi = fmax(*hi, t);
+    }
+}
+
+// Gilbert's iteration: v is a point of the hull of all differences a_i - b_j, moved towards the one that lies farthest
+// against it, as near to 0 as the segment comes. v . (a_i - b_j) > 0 for all is a plane between them.
+static bool find_plane(const kn_meet_cloud *a, const kn_meet_cloud *b, const double *start, double size)
+{
+    enum { TURNS = 24 };
+    double v[3] = {start[0], start[1], start[2]}, slack = a->slack + b->slack + (a->error + b->error) * size;
+    for (int turn = 0; turn < TURNS; turn++) {
+        double alo, ahi, blo, bhi, minus[3] = {-v[0], -v[1], -v[2]}, p[3], d[3], along = 0.0, length = 0.0;
+        double sum = fabs(v[0]) + fabs(v[1]) + fabs(v[2]);
+        size_t i, j;
+        range(&alo, &ahi, &i, a, v);
+        range(&blo, &bhi, &j, b, minus);
+        if (alo + blo > sum * (slack + kn_rounding(8.0) * size)) return true;
+        for (int k = 0; k < 3; k++) {
+            p[k] = a->x[(size_t)k * a->room + i] - b->x[(size_t)k * b->room + j];
+            d[k] = p[k] - v[k];
+            along -= d[k] * v[k], length += d[k] * d[k];
+        }
+        if (!(length > 0.0) || !(along > 0.0)) return false;
+        double t = fmin(along / length, 1.0);
+        for (int k = 0; k < 3; k++) v[k] += t * d[k];
+    }
+    return false;
+}
+
+kn_status kn_meet_plane(kn_meet *m, bool *apart, int ia, int ib)
+{
+    kn_meet_node x[2] = {m->nodes[ia], m->nodes[ib]};
+    kn_meet_cloud cloud[2];
+    double v[3], size = 0.0;
+    *apart = false;
+    for (int i = 0; i < 2; i++) {
+        int pieces = 1;
+        for (int d = 0; d < 3; d++) pieces *= x[i].last[d] - x[i].first[d] + 1;
+        if (x[i].chart < 0 || pieces > 4) return KN_OK;
+    }
+    kn_mark mark = kn_scratch_mark(m->ctx);
+    kn_status status = kn_meet_gather(m, &cloud[0], &x[0]);
+    if (status == KN_OK) status = kn_meet_gather(m, &cloud[1], &x[1]);
+    for (int k = 0; k < 3; k++) {
+        v[k] = x[0].box.center[k] - x[1].box.center[k];
+        for (int i = 0; i < 2; i++) size = fmax(size, fabs(x[i].box.center[k]) + x[i].size);
+    }
+    if (status == KN_OK) *apart = find_plane(&cloud[0], &cloud[1], v, size);
+    kn_scratch_release(m->ctx, mark);
+    return status;
+}
+
+// ---- through what they share ----
+
+// What a node shares with another: the part of its box where each variable is at the given end (0, 1; -1: anywhere).
+typedef struct part {
+    const kn_meet_node *node;
+    int end[3];
+    double at[3]; // a place there
+} part;
+
+// How a patch lies to one side of a plane: f = v . T - c >= slope s - touch, s the sum of the distances from the ends,
+// in parts of the box. With weights means of f_k >= slope s_k - touch are at least slope (least w / most w) s - touch.
+static void slope_of(double *slope, double *touch, const kn_meet_patch *p, const int end[3], const double *v,
+                     double c)
+{
+    size_t n = p->net.count, inner[3];
+    double least = INFINITY, most = 0.0, error = 0.0;
+    *slope = INFINITY, *touch = 0.0;
+    for (int d = 0; d < 3; d++) inner[d] = kn_net_inner(&p->net, d);
+    for (size_t k = 0; k < n; k++) {
+        double w = p->rational ? p->coef[3 * n + k] : 1.0, f = -c, s = 0.0, size = fabs(c);
+        for (int d = 0; d < 3; d++) {
+            double x = p->coef[(size_t)d * n + k] / w, i = (double)(k / inner[d] % (size_t)(p->net.degree[d] + 1));
+            f += v[d] * x;
+            size += fabs(v[d] * x);
+            if (end[d] < 0 || p->net.degree[d] == 0) continue;
+            s += end[d] ? 1.0 - i / p->net.degree[d] : i / p->net.degree[d];
+        }
+        least = fmin(least, w), most = fmax(most, w);
+        error = fmax(error, kn_rounding(8.0) * size);
+        if (s > 0.0)
+            *slope = fmin(*slope, f / s);
+        else
+            *touch = fmax(*touch, -f);
+    }
+    for (int d = 0; d < 3; d++)
+        error += fabs(v[d]) * (p->error[d] + (p->rational ? 2.0 * fabs(c) * p->error[3] : 0.0)) / (0.9 * least);
+    *slope *= 0.99 * least / most; // 0.01 pays for the rounding of s, f / s and the weights
+    *touch = fmax(*touch, 0.0) + error;
+}
+
+// The middle of a patch's control points less the mean of those that are shared.
+static void direction(double out[3], const kn_meet_patch *p, const int end[3])
+{
+    size_t n = p->net.count, inner[3], shared = 0;
+    double all[3] = {0}, some[3] = {0};
+    for (int d = 0; d < 3; d++) inner[d] = kn_net_inner(&p->net, d);
+    for (size_t k = 0; k < n; k++) {
+        bool in = true;
+        for (int d = 0; d < 3; d++) {
+            size_t i = k / inner[d] % (size_t)(p->net.degree[d] + 1);
+            if (end[d] >= 0 && i != (end[d] ? (size_t)p->net.degree[d] : 0)) in = false;
+        }
+        shared += in;
+        for (int d = 0; d < 3; d++) {
+            double x = p->coef[(size_t)d * n + k] / (p->rational ? p->coef[3 * n + k] : 1.0);
+            all[d] += x / (double)n;
+            if (in) some[d] += x;
+        }
+    }
+    for (int d = 0; d < 3; d++) out[d] = all[d] - some[d] / (double)(shared ? shared : 1);
+}
+
+// The plane through the shared fibre, whose direction is `along`, that halves the angle between the two patches. With
+// f >= slope s - touch on one side and <= -(slope s - touch) on the other equal images have s <= 2 touch / slope on
+// both: that part of each box must be shorter than the resolution.
+static bool is_plane(const kn_meet *m, const part side[2], const kn_meet_patch patch[2], const double *along,
+                     const double *point)
+{
+    double v[3], d[2][3];
+    for (int i = 0; i < 2; i++) {
+        direction(d[i], &patch[i], side[i].end);
+        double t = dot(along, along) > 0.0 ? dot(d[i], along) / dot(along, along) : 0.0;
+        for (int k = 0; k < 3; k++) d[i][k] -= t * along[k];
+        double length = sqrt(dot(d[i], d[i]));
+        if (!(length > 0.0)) return false;
+        for (int k = 0; k < 3; k++) d[i][k] /= length;
+    }
+    for (int k = 0; k < 3; k++) v[k] = d[0][k] - d[1][k];
+    double length = sqrt(dot(v, v)), c, slope[2], touch[2];
+    if (!(length > 0.1)) return false;
+    for (int k = 0; k < 3; k++) v[k] /= length;
+    c = dot(v, point);
+    slope_of(&slope[0], &touch[0], &patch[0], side[0].end, v, c);
+    for (int k = 0; k < 3; k++) v[k] = -v[k];
+    slope_of(&slope[1], &touch[1], &patch[1], side[1].end, v, -c);
+    for (int i = 0; i < 2; i++) {
+        double reach = side[i].node->length[0] + side[i].node->length[1] + side[i].node->length[2];
+        if (!(slope[i] > 0.0 && 2.0 * (touch[0] + touch[1]) * reach <= m->resolution * slope[i])) return false;
+    }
+    return true;
+}
+
+static kn_status try_plane(kn_meet *m, bool *apart, const part side[2], const double *along, const double *point)
+{
+    kn_meet_patch patch[2];
+    kn_mark mark = kn_scratch_mark(m->ctx);
+    kn_status status = KN_OK;
+    for (int i = 0; i < 2 && status == KN_OK; i++) {
+        const kn_meet_node *n = side[i].node;
+        double lo[3], hi[3];
+        status = kn_meet_restrict(m, &patch[i], lo, hi, n->chart, n->first, n->lo, n->hi);
+    }
+    if (status == KN_OK) *apart = is_plane(m, side, patch, along, point);
+    kn_scratch_release(m->ctx, mark);
+    return status;
+}
+
+// The four corners of a node's (u,v); two that a pole makes one are given once. Returns how many.
+static int corners(const kn_meet *m, part *out, const kn_meet_node *n)
+{
+    const kn_meet_chart *c = &m->charts[n->chart];
+    int count = 0;
+    for (int i = 0; i < 4; i++) {
+        int end[2] = {i / 2, i % 2}, pole = -1;
+        for (int d = 0; d < 2; d++)
+            if (c->pole[d][end[d]] &&
+                (end[d] ? n->hi[d] >= c->breaks[d][c->nbreaks[d] - 1] : n->lo[d] <= c->breaks[d][0]))
+                pole = d;
+        if (pole >= 0 && end[1 - pole] == 1) continue;
+        out[count] = (part){.node = n, .end = {end[0], end[1], -1}};
+        if (pole >= 0) out[count].end[1 - pole] = -1;
+        for (int d = 0; d < 2; d++) out[count].at[d] = end[d] ? n->hi[d] : n->lo[d];
+        count++;
+    }
+    return count;
+}
+
+// *along: from the lower to the upper end of the fibre's heights, when a and b have the same one.
+static kn_status same_fibre(kn_meet *m, bool *same, double *along, double *point, const part *a, const part *b)
+{
+    double p[2][2][3], away[2] = {0.0, 0.0}, w[2] = {-INFINITY, INFINITY};
+    const part *side[2] = {a, b};
+    *same = false;
+    for (int i = 0; i < 2; i++) {
+        const kn_meet_chart *c = &m->charts[side[i]->node->chart];
+        w[0] = fmax(w[0], c->breaks[2][0]);
+        w[1] = fmin(w[1], c->breaks[2][c->nbreaks[2] - 1]);
+    }
+    for (int i = 0; i < 2; i++)
+        for (int e = 0; e < 2; e++) {
+            double at[3] = {side[i]->at[0], side[i]->at[1], w[e]};
+            kn_status status = kn_meet_point(m, p[i][e], NULL, side[i]->node->chart, at);
+            if (status != KN_OK) return status;
+        }
+    for (int k = 0; k < 3; k++) {
+        double x = p[0][0][k] - p[1][0][k], y = p[0][1][k] - p[1][1][k];
+        away[0] += x * x + y * y;
+        x = p[0][0][k] - p[1][1][k], y = p[0][1][k] - p[1][0][k];
+        away[1] += x * x + y * y;
+        along[k] = p[0][1][k] - p[0][0][k];
+        point[k] = p[0][0][k];
+    }
+    *same = sqrt(fmin(away[0], away[1])) <= m->resolution;
+    return KN_OK;
+}
+
+static bool at_edge(const kn_meet *m, const kn_meet_node *n)
+{
+    const kn_meet_chart *c = &m->charts[n->chart];
+    for (int d = 0; d < 2; d++)
+        if (n->lo[d] <= c->breaks[d][0] || n->hi[d] >= c->breaks[d][c->nbreaks[d] - 1]) return true;
+    return false;
+}
+
+kn_status kn_meet_fibre(kn_meet *m, bool *apart, int a, int b)
+{
+    part x[4], y[4];
+    *apart = false;
+    if (!kn_meet_is_piece(&m->nodes[a]) || !kn_meet_is_piece(&m->nodes[b])) return KN_OK;
+    if (!at_edge(m, &m->nodes[a]) || !at_edge(m, &m->nodes[b])) return KN_OK;
+    int nx = corners(m, x, &m->nodes[a]), ny = corners(m, y, &m->nodes[b]);
+    for (int i = 0; i < nx && !*apart; i++)
+        for (int j = 0; j < ny && !*apart; j++) {
+            double along[3], point[3];
+            bool same;
+            kn_status status = same_fibre(m, &same, along, point, &x[i], &y[j]);
+            const part side[2] = {x[i], y[j]};
+            if (status == KN_OK && same) status = try_plane(m, apart, side, along, point);
+            if (status != KN_OK) return status;
+        }
+    return KN_OK;
+}
