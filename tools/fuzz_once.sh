@@ -6,7 +6,7 @@ program=$1 folder=$2 runs=$3
 name=$(basename "$program")
 case $name in # an input of these is a program of calls
 fuzz_bpt | fuzz_g2) ;;
-fuzz_shell) runs=$((runs / 100)) ;;
+fuzz_shell | fuzz_kinds) runs=$((runs / 100)) ;;
 *) runs=$((runs / 25)) ;;
 esac
 seeds=$(pwd)/tests/fuzz/corpus/${name#fuzz_}
