@@ -1,0 +1,154 @@
+// SPDX-License-Identifier: Apache-2.0
+// knurl check: how high a texture may be before the base folds or meets itself.
+#include "cli/check.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+enum { COLOR = CLI_JOB_OPTIONS, WORK, OUTPUT, HELP, END };
+static const cli_option options[END - CLI_JOB_OPTIONS] = {
+    [COLOR - CLI_JOB_OPTIONS] = {"color", 0, true},
+    [WORK - CLI_JOB_OPTIONS] = {"work", 0, true},
+    [OUTPUT - CLI_JOB_OPTIONS] = {"output", 'o', true},
+    [HELP - CLI_JOB_OPTIONS] = {"help", 'h', false},
+};
+
+static bool set_color(check *c, const char *text)
+{
+    c->by_jacobian = strcmp(text, "jacobian") == 0;
+    if (c->by_jacobian || strcmp(text, "safe-height") == 0) return true;
+    cli_error("--color: expected safe-height or jacobian, got '%s'", text);
+    return false;
+}
+
+static bool add_output(check *c, const char *path)
+{
+    if (c->noutputs == sizeof c->outputs / sizeof *c->outputs) {
+        cli_error("-o: more than %d outputs", c->noutputs);
+        return false;
+    }
+    if (!check_can_draw(path)) return false;
+    c->outputs[c->noutputs++] = path;
+    return true;
+}
+
+static bool set_option(check *c, int option, const char *value)
+{
+    int work;
+    if (option < CLI_JOB_OPTIONS) return cli_job_set(&c->job, option, value);
+    switch (option) {
+    case COLOR: return set_color(c, value);
+    case WORK:
+        if (!cli_int("--work", value, 1, 2000000000, &work)) return false;
+        c->work = (size_t)work;
+        return true;
+    case OUTPUT: return add_output(c, value);
+    default: return false;
+    }
+}
+
+// EXIT_OK, an exit code after a message, or -1 when help was asked for and given.
+static int read_arguments(check *c, int argc, char **argv)
+{
+    cli_args args = {.argc = argc,
+                     .at = 1,
+                     .argv = argv,
+                     .options = options,
+                     .job = true,
+                     .command = "check",
+                     .noptions = sizeof options / sizeof *options};
+    const char *value;
+    for (int option; (option = cli_next(&args, &value)) != CLI_END;) {
+        if (option == CLI_BAD) return EXIT_USAGE;
+        if (option == HELP) return cli_help(stdout, "check") == EXIT_OK ? -1 : EXIT_FAILED;
+        if (option == CLI_POSITIONAL && c->job.base) {
+            cli_error("check: one base at a time, got '%s' and '%s'", c->job.base, value);
+            return EXIT_USAGE;
+        }
+        if (option == CLI_POSITIONAL)
+            c->job.base = value;
+        else if (!set_option(c, option, value))
+            return EXIT_USAGE;
+    }
+    return EXIT_OK;
+}
+
+static int check_arguments(const check *c)
+{
+    const cli_job *job = &c->job;
+    bool cells = job->options.count[0] || job->has_size || job->options.spacing || job->options.rows ||
+                 job->options.stretch || job->options.quarter_turns;
+    const char *missing = !job->base                                     ? "a BASE file is missing"
+                          : job->options.count[0] && job->has_size       ? "--count and --size exclude each other"
+                          : cells && !job->tile                          ? "cells need a --tile"
+                          : job->offset.value != 0 && !job->height.value ? "--offset needs --height"
+                                                                         : NULL;
+    if (!missing) return EXIT_OK;
+    cli_error("check: %s", missing);
+    cli_usage_hint("check");
+    return EXIT_USAGE;
+}
+
+// Only volumes bring their own heights.
+static int check_height(const check *c)
+{
+    if (c->job.height.value != 0 || c->job.tile) return EXIT_OK;
+    for (int i = 0; i < c->base.nsurfaces; i++)
+        if (c->base.surfaces[i].nvars == 2) {
+            cli_error("check: --height H is missing");
+            cli_usage_hint("check");
+            return EXIT_USAGE;
+        }
+    return EXIT_OK;
+}
+
+static int find_intersection(cli_session *session, check *c)
+{
+    kn_ctx *ctx = cli_ctx(session);
+    const kn_shell **shells = malloc((size_t)c->nshells * sizeof *shells);
+    if (!shells) {
+        cli_error("out of memory");
+        return EXIT_FAILED;
+    }
+    for (int i = 0; i < c->nshells; i++) shells[i] = c->shells[i].shell;
+    kn_fold_options o = {.work = c->work};
+    kn_status status = kn_fold_self_intersection(ctx, &c->global, shells, c->nshells, c->regions, c->nregions,
+                                                 c->range, &o);
+    free(shells);
+    return status == KN_OK ? EXIT_OK : cli_fail_on(session, status, c->job.base, false);
+}
+
+static int examine(cli_session *session, check *c)
+{
+    double began = cli_seconds();
+    int code = cli_job_begin(session, &c->job);
+    if (code == EXIT_OK && c->job.tile)
+        code = cli_read_tile(session, &c->tile, c->job.tile, c->job.has_cell ? c->job.cell : NULL);
+    if (code == EXIT_OK) code = cli_read_base(session, &c->base, c->job.base, true);
+    if (code == EXIT_OK) code = check_height(c);
+    if (code == EXIT_OK) code = check_make_shells(session, c);
+    if (code == EXIT_OK) {
+        kn_status status = check_make_regions(cli_ctx(session), c);
+        if (status != KN_OK) code = cli_fail(session, status, false);
+    }
+    if (code == EXIT_OK) code = check_examine(session, c);
+    if (code == EXIT_OK) code = find_intersection(session, c);
+    for (int i = 0; i < c->noutputs && code == EXIT_OK; i++) code = check_draw(session, c, c->outputs[i]);
+    c->seconds = cli_seconds() - began;
+    if (code == EXIT_OK) check_print(c);
+    return code == EXIT_OK && !check_passed(c) ? EXIT_CHECK_FAILED : code;
+}
+
+int cli_command_check(int argc, char **argv)
+{
+    check c = {.job = cli_job_defaults(), .work = CHECK_WORK};
+    int code = read_arguments(&c, argc, argv);
+    if (code == EXIT_OK) code = check_arguments(&c);
+    if (code != EXIT_OK) return code < 0 ? EXIT_OK : code;
+    cli_session *session = cli_session_begin((cli_session_options){.threads = c.job.threads, .quiet = c.job.quiet});
+    if (!session) return EXIT_FAILED;
+    code = examine(session, &c);
+    check_clear(session, &c);
+    cli_session_end(session);
+    return code;
+}
