@@ -150,6 +150,13 @@ static void print_local(const check *c)
     case KN_FOLD_MIXED: printf("folds: yes\n"); break;
     case KN_FOLD_UNDECIDED: printf("folds: could not be certified\n"); break;
     }
+    for (int i = 0; i < c->nshells && c->verdict == KN_FOLD_UNDECIDED; i++) {
+        const check_shell *s = &c->shells[i];
+        if (s->sign.verdict != KN_FOLD_UNDECIDED) continue;
+        printf("  in doubt: surface %d at (%.4g, %.4g), height %.4g\n", s->surface, s->sign.where[0],
+               s->sign.where[1], s->sign.where[2]);
+        break;
+    }
     printf("safe: %s above the base, %s below it (certified; the limits are within 1 %% of this)\n",
            height_text(c, c->safe.above).s, height_text(c, c->safe.below).s);
     if (c->nfolding > 0) print_cells(c);
@@ -200,8 +207,9 @@ static void print_advice(const check *c)
     const kn_fold_intersection *g = &c->global;
     double least = fmax(fabs(g->a.lo[2]), fabs(g->b.lo[2]));
     if (g->verdict == KN_FOLD_FOUND && least > 1e-9 * fmax(fabs(c->range[0]), fabs(c->range[1])))
-        printf("    where it meets itself it has to stay well below %.3g, or the surfaces there farther apart\n",
-               least);
+        printf(
+            "    there it reaches itself at height %.3g or below: keep it well below, or move the surfaces apart\n",
+            least);
     else if (g->verdict == KN_FOLD_FOUND)
         printf("    surfaces of the base itself cross there: trim them, or leave one of them without texture\n");
     if (g->verdict == KN_FOLD_OPEN || c->verdict == KN_FOLD_UNDECIDED)

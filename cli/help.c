@@ -9,6 +9,7 @@ static const char overview[] =
     "\n"
     "  knurl apply teapot.bpt --tile chain --size 0.3 -o teapot.step -o teapot.glb\n"
     "  knurl apply grip.g2 --tile knurl --count 48,12 --height 0.4 --dry-run\n"
+    "  knurl check teapot.bpt --height 0.2 -o heat.png\n"
     "  knurl tiles\n"
     "  knurl info teapot.bpt\n"
     "  knurl eval teapot.bpt --patch 4 --at 0.5,0.5 --derivatives 1\n"
@@ -16,6 +17,7 @@ static const char overview[] =
     "\n"
     "commands:\n"
     "  apply    compose a tile over every cell of a base and write the result\n"
+    "  check    say how high a texture may be before the base folds or meets itself\n"
     "  tiles    list the built-in tiles\n"
     "  info     say what is in a file\n"
     "  eval     evaluate a spline, or the shell over a surface\n"
@@ -32,7 +34,7 @@ static const char apply[] =
     "  knurl apply vase.g2 --tile scale --size 2,3 --dry-run\n"
     "  knurl apply recipe.json\n"
     "\n"
-    "BASE is a .bpt or .g2 file (all its surfaces are textured) or a recipe in JSON.\n"
+    "BASE is a .bpt or .g2 file (all its surfaces and volumes are textured) or a recipe in JSON.\n"
     "OUT's ending picks the writer: .step .stp .stl .obj .glb .gltf\n"
     "\n"
     "what and where:\n"
@@ -40,15 +42,28 @@ static const char apply[] =
     "      --tile-cell U0,V0,U1,V1   the cell in a tile file's coordinates (default 0,0,1,1)\n"
     "  -c, --count NU[,NV]     cells over each surface\n"
     "  -s, --size L[,L]        wanted cell size; counts agree on shared edges\n"
+    "      --spacing uniform|even|free   equal steps of the parameters, even in length, or corners free in both\n"
+    "                          (default: even in directions with a size, uniform in those with a count)\n"
+    "      --rows              rows of cells may have different counts, where a surface narrows\n"
+    "      --stretch           heights follow the size of the cells\n"
     "      --height H          height of w = 1 above the base (negative: below)\n"
     "      --offset H          lifts the whole texture by H\n"
+    "      --side above|below|both   w = 0 .. 1 from 0 to H, from 0 to -H, or from -H to H\n"
     "      --rotate DEG        turns the tile in its cell (multiples of 90)\n"
+    "lengths (size, height, offset, tol) may name their unit: 3mm, 0.5cm, 1in\n"
+    "which shell:\n"
+    "      --direction X,Y,Z|FILE.g2      instead of the normal\n"
+    "      --thickness X|FILE.g2          the height counts in it\n"
+    "      --attraction X,Y,Z|FILE.g2     pulls by that times w to the power of\n"
+    "      --attraction-power K           2 unless said\n"
+    "      a file holds one surface over (u,v): three components, or one for a thickness\n"
     "how exactly:\n"
-    "      --normal fitted     how the unit normal is represented\n"
+    "      --normal fitted|exact-direction   how the unit normal is represented\n"
     "      --normal-tol E      its certified error (default 1e-6)\n"
     "      --max-degree N      highest degree written: a number, occt (25, the default), catia (15), vda (11), "
     "exact\n"
     "      --tol L             chord height of the meshes\n"
+    "      --cells-tol L       how far free corners may change the surface (default: 1e-4 of a cell)\n"
     "      --symbolic          compose each cell symbolically (slow, the reference)\n"
     "running:\n"
     "  -o, --output OUT        may be given many times\n"
@@ -58,6 +73,31 @@ static const char apply[] =
     "      --json              one JSON object on standard output\n"
     "  -q, --quiet             no progress, no summary\n";
 
+static const char check[] =
+    "knurl check BASE --height H [--tile TILE] [-o heat.png] [-o heat.glb]\n"
+    "\n"
+    "  knurl check teapot.bpt --height 0.2 -o heat.png\n"
+    "  knurl check teapot.bpt --height 0.2 --side both --json\n"
+    "  knurl check grip.g2 --tile thorn --size 4mm --height 3mm\n"
+    "\n"
+    "Says whether S + w n folds for heights from 0 to H, how far each cell may rise above and below before it does,\n"
+    "and whether two places of the base reach the same point. All of it is certified; what cannot be is said to be "
+    "so.\n"
+    "With a tile only the region that its patches occupy counts. Exit code 4 unless everything is certified free.\n"
+    "\n"
+    "      --height H          as in apply, with --offset and --side; a volume brings its own\n"
+    "  -t, --tile TILE         with --tile-cell, --count, --size, --spacing, --rows, --stretch, --rotate as in "
+    "apply\n"
+    "      --direction, --thickness, --attraction, --attraction-power, --normal, --normal-tol   as in apply\n"
+    "  -o, --output OUT        .png: a picture with a legend; .glb .gltf: the base with colours; may be given many "
+    "times\n"
+    "      --color safe-height|jacobian   what they show\n"
+    "      --work N            boxes to visit in search of two places with one image (default 100000)\n"
+    "      --unit mm|cm|m|in   unit of the base (default mm)\n"
+    "      --json              one JSON object on standard output\n"
+    "  -j, --threads N         default: all processors; the answer does not depend on it\n"
+    "  -q, --quiet             no progress, no report: the exit code alone\n";
+
 static const char tiles[] = "knurl tiles [--json]\n"
                             "\n"
                             "  knurl tiles --json\n"
@@ -65,12 +105,14 @@ static const char tiles[] = "knurl tiles [--json]\n"
                             "\n"
                             "Lists the built-in tiles: name, kind, patches in a cell, and what it looks like.\n";
 
-static const char info[] = "knurl info FILE [--json]\n"
-                           "\n"
-                           "  knurl info teapot.bpt\n"
-                           "  knurl info teapot.glb --json\n"
-                           "\n"
-                           "Format, counts, degrees and bounding box of a .bpt, .g2, .glb or .gltf file.\n";
+static const char info[] =
+    "knurl info FILE [--json]\n"
+    "\n"
+    "  knurl info teapot.bpt\n"
+    "  knurl info teapot.glb --json\n"
+    "\n"
+    "Format, counts, degrees and bounding box of a .bpt, .g2, .glb or .gltf file; creases, poles\n"
+    "and apexes of surfaces.\n";
 
 static const char eval[] =
     "knurl eval FILE --at U,V[,W] [--at ...] [--patch K] [--derivatives N] [--json]\n"
@@ -103,7 +145,8 @@ int cli_help(FILE *to, const char *command)
 {
     static const struct {
         const char *name, *text;
-    } texts[] = {{"apply", apply}, {"tiles", tiles}, {"info", info}, {"eval", eval}, {"render", render}};
+    } texts[] = {{"apply", apply}, {"check", check}, {"tiles", tiles},
+                 {"info", info},   {"eval", eval},   {"render", render}};
     if (!command) return fputs(overview, to) < 0 ? EXIT_FAILED : EXIT_OK;
     for (size_t i = 0; i < sizeof texts / sizeof *texts; i++)
         if (strcmp(command, texts[i].name) == 0) return fputs(texts[i].text, to) < 0 ? EXIT_FAILED : EXIT_OK;
