@@ -193,6 +193,22 @@ kn_status kn_shell_ends_meet(kn_ctx *ctx, bool *meet, const kn_spline *f, int va
     return KN_OK;
 }
 
+// n's coefficients along an edge are of the normal there: two edges on the same knots agree where these do.
+void kn_shell_open_seams(kn_shell *s)
+{
+    size_t count = kn_spline_count(&s->normal);
+    for (int v = 0; v < 2; v++) {
+        size_t other = (size_t)s->normal.count[1 - v], across = v == 0 ? 1 : (size_t)s->normal.count[1];
+        size_t far = v == 0 ? count - other : (size_t)s->normal.count[1] - 1;
+        double worst = 0.0;
+        for (size_t i = 0; i < 3 * other; i++) {
+            const double *c = s->normal.coef + i / other * count + i % other * across;
+            worst = fmax(worst, fabs(c[0] - c[far]));
+        }
+        s->closed[v] = s->closed[v] && worst <= 10.0 * s->normal_tol;
+    }
+}
+
 // ---- T as a sum of powers of w ----
 
 int kn_shell_nterms(const kn_shell *shell)

@@ -81,6 +81,8 @@ kn_status kn_shell_take_fields(kn_ctx *ctx, kn_shell *shell, const kn_shell_opti
 kn_status kn_shell_cut(kn_ctx *ctx, kn_bezier **span, kn_bezier **cell, const kn_shell *shell, const kn_spline *f);
 // f is the same at both ends of variable var, to 1e-12 of its size; of a rational f so are the weights.
 kn_status kn_shell_ends_meet(kn_ctx *ctx, bool *meet, const kn_spline *f, int var);
+// No longer closed: directions in which the normals of the two edges differ, a crease.
+void kn_shell_open_seams(kn_shell *shell);
 // Whether T is a sum of powers of w: nterms of them with S, which is the first (power 0).
 static inline bool kn_shell_has_terms(const kn_shell *s)
 {

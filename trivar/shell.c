@@ -201,6 +201,7 @@ kn_status kn_shell_create(kn_ctx *ctx, kn_shell **out, const kn_spline *surface,
         status = kn_shell_make_directions(ctx, s);
         if (status == KN_OK) status = kn_shell_limit_degree(ctx, &o.max_degree, s);
         if (status == KN_OK) status = kn_refine_normal(ctx, s, o.max_degree, o.max_spans);
+        if (status == KN_OK) kn_shell_open_seams(s);
     }
     if (status == KN_OK)
         *out = s;

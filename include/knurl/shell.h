@@ -86,8 +86,8 @@ KN_API const kn_spline *kn_shell_normal(const kn_shell *shell);
 // Of n. Errors 0, certified, where there is no n: a direction and a volume are what they are.
 KN_API kn_normal_certificate kn_shell_certificate(const kn_shell *shell);
 KN_API void kn_shell_cells(const kn_shell *shell, int cells[2]);
-// closed[d]: the two edges across variable d coincide, and so do the fields (the faces of a volume), so that cell -1
-// is the last cell.
+// closed[d]: the two edges across variable d coincide, and so do n, to ten normal_tol, and the fields (the faces of a
+// volume), so that cell -1 is the last cell.
 KN_API void kn_shell_closed(const kn_shell *shell, bool closed[2]);
 
 // T at (u,v) in S's parameters and signed height w (in S's length unit, or what thickness, direction and volume make

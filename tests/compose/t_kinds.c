@@ -561,6 +561,40 @@ static void creases_do_not_tear(void **state)
     run_end(&r);
 }
 
+// A drop's wall: closed, and its only crease is at the seam. Nothing goes on over it, and nothing is torn.
+static void a_crease_at_the_seam(void **state)
+{
+    (void)state;
+    const double k[8] = {0, 0, 0, 0, 1, 1, 1, 1}, coef[12] = {0, 3, -3, 0, 0, 3, 3, 0, 0, 0, 0, 0}, up[3] = {0, 0, 2};
+    const double *knots[1] = {k};
+    run r;
+    kn_spline line = {0}, s = {0};
+    run_begin(&r, scene_strip);
+    assert_int_equal(kn_spline_init(r.ctx, &line, 1, 3, false, (const int[1]){3}, (const int[1]){4}, knots, coef),
+                     KN_OK);
+    assert_int_equal(kn_construct_extruded(r.ctx, &s, &line, up), KN_OK);
+    kn_job_options o = {.count = {8, 2}, .height = 0.05, .normal_tol = 1e-4};
+    run_job(&r, &s, 1, &o);
+    bool closed[2];
+    kn_shell_closed(kn_job_shell(r.job, 0), closed);
+    assert_int_equal(r.report.nparts, 1);
+    assert_false(closed[0] || closed[1]);
+    double end[3] = {0};
+    for (size_t i = 0; i < r.result.count; i++) { // parts of one tile patch follow one another along u
+        const kn_patch *p = &r.result.patches[i];
+        bool first = i == 0 || memcmp(p->id.cell, r.result.patches[i - 1].id.cell, sizeof p->id.cell) != 0;
+        double a[3], b[3];
+        assert_int_equal(kn_bezier_eval(r.ctx, a, &p->bezier, (const double[2]){0, 0.5}), KN_OK);
+        assert_int_equal(kn_bezier_eval(r.ctx, b, &p->bezier, (const double[2]){1, 0.5}), KN_OK);
+        // both sides have a normal within the tolerance, each its own
+        if (!first) assert_true(distance(a, end) <= 2 * 0.05 * 2e-4 + 1e-12);
+        memcpy(end, b, sizeof b);
+    }
+    run_drop(&r);
+    kn_spline_clear(r.ctx, &s), kn_spline_clear(r.ctx, &line);
+    run_end(&r);
+}
+
 // Over a direction that goes on there is nothing to take apart: the tile follows T over the crease.
 static void a_direction_over_creases(void **state)
 {
@@ -667,6 +701,7 @@ int main(void)
         cmocka_unit_test(sides),
         cmocka_unit_test(creases_do_not_tear),
         cmocka_unit_test(a_direction_over_creases),
+        cmocka_unit_test(a_crease_at_the_seam),
         cmocka_unit_test(failures),
         cmocka_unit_test(allocation_failures),
     };

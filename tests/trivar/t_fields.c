@@ -198,6 +198,49 @@ static void pieces(void **state)
     test_ctx_end(ctx, &memory);
 }
 
+// Whole cells side by side have the same coefficients along their common edge, bit for bit, h n among them.
+static void neighbours_share_their_edge(void **state)
+{
+    (void)state;
+    test_memory memory = TEST_MEMORY_INIT;
+    kn_ctx *ctx = test_ctx(&memory, 1);
+    test_rng rng = test_random(46);
+    int pairs = 0;
+    for (int run = 0; run < 2 * SURFACE_CASES; run++) {
+        kind k;
+        int cells[2], var = run % 2;
+        kind_init(ctx, &k, &rng, run / 2, 5, 2);
+        kn_shell_cells(k.shell, cells);
+        for (int i = 0; i + 1 < cells[var]; i++) {
+            kn_shell_piece p[2];
+            bool fits[2];
+            const double lo[2] = {0, 0}, hi[2] = {1, 1};
+            for (int m = 0; m < 2; m++) {
+                int cell[2] = {0, 0};
+                cell[var] = i + m;
+                assert_int_equal(kn_shell_piece_init(ctx, &p[m], &fits[m], k.shell, cell, lo, hi, 12), KN_OK);
+            }
+            bool exact = fits[0] && fits[1] && p[0].exact && p[1].exact;
+            pairs += exact;
+            for (int t = 0; exact && t < p[0].nterms; t++) {
+                const kn_bezier *a = &p[0].term[t], *b = &p[1].term[t];
+                size_t n = kn_bezier_count(a), row = (size_t)a->degree[1] + 1, along = var == 0 ? row : n / row;
+                size_t far = var == 0 ? n - row : row - 1, step = var == 0 ? 1 : row;
+                assert_int_equal(n, kn_bezier_count(b));
+                for (size_t j = 0; j < along * (size_t)a->ncomp; j++) {
+                    size_t at = j / along * n + j % along * step;
+                    assert_true(a->coef[at + far] == b->coef[at]);
+                }
+            }
+            for (int m = 0; m < 2; m++)
+                if (fits[m]) kn_shell_piece_clear(ctx, &p[m]);
+        }
+        kind_clear(ctx, &k);
+    }
+    assert_true(pairs > 5);
+    test_ctx_end(ctx, &memory);
+}
+
 static void expect(kn_ctx *ctx, kn_status status, const char *word, const kn_spline *s, const kn_shell_options *o)
 {
     kn_shell *shell = NULL;
@@ -297,6 +340,7 @@ int main(void)
         cmocka_unit_test(equals_direct_evaluation),
         cmocka_unit_test(knots_become_lines),
         cmocka_unit_test(pieces),
+        cmocka_unit_test(neighbours_share_their_edge),
         cmocka_unit_test(failures),
         cmocka_unit_test(allocation_failures),
     };
