@@ -207,6 +207,11 @@ typedef struct cli_timing {
 void cli_print_apply(const cli_apply *apply, const kn_job_report *report, const double *bytes,
                      const cli_timing *timing, size_t peak_bytes);
 
+// ---- info ----
+// Creases, poles, apexes and places without a normal of a model's surfaces, as arrays in notes; and as lines of text.
+kn_status cli_look_at_edges(kn_ctx *ctx, struct json_t *notes, const kn_model *model);
+void cli_print_edges(const struct json_t *notes);
+
 // ---- commands: argv[0] is the command's name ----
 int cli_command_apply(int argc, char **argv);
 int cli_command_tiles(int argc, char **argv);

@@ -77,15 +77,17 @@ static kn_status summarize(kn_ctx *ctx, spline_summary *sum, const kn_spline *s)
     return status;
 }
 
-static void print_splines(const char *file, const spline_summary *s, bool json)
+static void print_splines(const char *file, const spline_summary *s, json_t *notes, bool json)
 {
     const char *format = cli_has_ending(file, "g2") ? "GoTools g2" : "Bezier patches (bpt)";
     if (json) {
-        print_json(json_pack("{s:o,s:s,s:n,s:i,s:i,s:i,s:i,s:I,s:I,s:[ii],s:o}", "file", cli_json_text(file),
-                             "format", format, "unit", "curves", s->curves, "surfaces", s->surfaces, "volumes",
-                             s->volumes, "rational", s->rational, "pieces", (json_int_t)s->pieces, "control_points",
-                             (json_int_t)s->points, "degree", s->highest[0], s->highest[1], "box",
-                             box_json(&s->box)));
+        json_t *o = json_pack("{s:o,s:s,s:n,s:i,s:i,s:i,s:i,s:I,s:I,s:[ii],s:o}", "file", cli_json_text(file),
+                              "format", format, "unit", "curves", s->curves, "surfaces", s->surfaces, "volumes",
+                              s->volumes, "rational", s->rational, "pieces", (json_int_t)s->pieces, "control_points",
+                              (json_int_t)s->points, "degree", s->highest[0], s->highest[1], "box",
+                              box_json(&s->box));
+        json_object_update(o, notes);
+        print_json(o);
         return;
     }
     printf("%s: %s, no unit\n", file, format);
@@ -96,6 +98,7 @@ static void print_splines(const char *file, const spline_summary *s, bool json)
         printf("      surface degrees %d..%d in u, %d..%d in v\n", s->lowest[0], s->highest[0], s->lowest[1],
                s->highest[1]);
     print_box(&s->box);
+    cli_print_edges(notes);
 }
 
 static int info_splines(cli_session *session, const char *file, bool json)
@@ -105,7 +108,10 @@ static int info_splines(cli_session *session, const char *file, bool json)
     spline_summary sum = {0};
     kn_status status = kn_read_model(ctx, &model, file);
     for (int i = 0; i < model.nsplines && status == KN_OK; i++) status = summarize(ctx, &sum, &model.splines[i]);
-    if (status == KN_OK) print_splines(file, &sum, json);
+    json_t *notes = json_object();
+    if (status == KN_OK) status = cli_look_at_edges(ctx, notes, &model);
+    if (status == KN_OK) print_splines(file, &sum, notes, json);
+    json_decref(notes);
     kn_model_clear(ctx, &model);
     return status == KN_OK ? EXIT_OK : cli_fail(session, status, true);
 }
