@@ -22,8 +22,8 @@ kn_status kn_fold_to_box(kn_ctx *ctx, kn_shell_jacobian_piece *p, const double l
 double kn_fold_first_root(const double *c, size_t step, const double *error, int top, double share, bool zero_at_0);
 
 // ---- sampled.c ----
-// At most the first w > 0 at which sum_k c_k w^k may be 0, where each c_k is known within error[k] + share |c_k|;
-// may vanish for all w. at[v]: kn_free.
+// Parameters for display: `steps` equal ones for each cell, n[v] in all, their ends moved inwards by a little, as J may
+// vanish there for all w. at[v]: kn_free.
 kn_status kn_fold_parameters(kn_ctx *ctx, double *at[2], size_t n[2], const kn_shell *shell, int steps);
 void kn_fold_clear_splines(kn_ctx *ctx, kn_spline *list, int n);
 

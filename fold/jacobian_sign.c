@@ -116,7 +116,7 @@ static bool at_apex(const search *s, const box *b, size_t k)
 {
     size_t row = (size_t)s->net.degree[2] + 1, columns = (size_t)s->net.degree[1] + 1;
     size_t at[2] = {k / row / columns, k / row % columns};
-    if (s->p->j.nvars != 2 || k % row != 0 || parameter(s, 2, b->lo[2]) != 0.0) return false;
+    if (k % row != 0 || parameter(s, 2, b->lo[2]) != 0.0) return false;
     for (int v = 0; v < 2; v++) {
         if (s->p->flat[v][0] && at[v] == 0 && parameter(s, v, b->lo[v]) == s->p->lo[v]) return true;
         if (s->p->flat[v][1] && at[v] == (size_t)s->net.degree[v] && parameter(s, v, b->hi[v]) == s->p->hi[v])
@@ -151,11 +151,11 @@ static void halve(const search *s, int depth, bool second, int var)
                        s->arrays * s->net.count / m / inner, s->net.degree[var], inner, 0.5);
 }
 
-// Settles the box, or answers the variable along which to halve it.
-static int visit(search *s, const double *c, const box *b, int depth)
+// Settles the box, or answers the variable along which to halve it. *known: its sign, 0 as long as it is not known.
+static int visit(search *s, const double *c, const box *b, int depth, int *known)
 {
     double r[2];
-    int sign = sign_of(s, c, b);
+    int sign = *known = *known != 0 ? *known : sign_of(s, c, b);
     look_at_corners(s, c, b);
     bounds(s, r, c, b);
     double reach = margin * (s->most - s->found.value);
@@ -184,7 +184,7 @@ static int visit(search *s, const double *c, const box *b, int depth)
 static kn_status divide(search *s)
 {
     box b[DEPTH + 1];
-    int var[DEPTH + 1] = {0}, depth = 0;
+    int var[DEPTH + 1] = {0}, sign[DEPTH + 1] = {0}, depth = 0;
     bool second[DEPTH + 1] = {false};
     size_t count = 0, rhythm = kn_net_rhythm(s->net.count);
     b[0] = (box){{0.0, 0.0, 0.0}, {1.0, 1.0, 1.0}};
@@ -193,18 +193,20 @@ static kn_status divide(search *s)
             kn_status status = kn_progress(s->ctx, "Jacobian", (double)s->spent / (double)s->work);
             if (status != KN_OK) return status;
         }
-        int along = visit(s, level(s, depth, second[depth]), &b[depth], depth);
+        int along = visit(s, level(s, depth, second[depth]), &b[depth], depth, &sign[depth]);
         if (along >= 0) {
             halve(s, depth, second[depth], along);
             var[depth] = along;
             b[depth + 1] = b[depth];
             b[depth + 1].hi[along] = 0.5 * (b[depth].lo[along] + b[depth].hi[along]);
             second[++depth] = false;
+            sign[depth] = sign[depth - 1];
             continue;
         }
         while (depth > 0 && second[depth]) depth--;
         if (depth == 0) return KN_OK;
         second[depth] = true;
+        sign[depth] = sign[depth - 1];
         int v = var[depth - 1];
         b[depth].lo[v] = b[depth].hi[v];
         b[depth].hi[v] = b[depth - 1].hi[v];
