@@ -32,6 +32,7 @@ typedef struct kn_pole {
     kn_bezier slope;     // of the other variable and w: the derivative of T's homogeneous coordinates along var,
                          // inwards
     double space_lo[3], space_hi[3]; // of the axis, reach included
+    double error;                    // of the coefficients of T beside it
     double reach;                    // bound of |T - axis|
     double slope_error;              // of slope's coefficients, and of its change across the part
 } kn_pole;

@@ -233,6 +233,7 @@ static kn_status add_pole(kn_ctx *ctx, cutter *c, int var, int end, double part)
     }
     double n = net->degree[var];
     p->slope_error = 4.0 * n * error + 8.0 * part * n * n * largest;
+    p->error = error;
     p->reach = bound_reach(c, var, part) + 8.0 * error;
     for (size_t k = 0; k < 3; k++) {
         p->space_lo[k] = INFINITY, p->space_hi[k] = -INFINITY;

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // All places that a shell maps to a point: the search for zeros on the leaves whose boxes hold the point, and the
 // poles apart.
-#include "kernel/bernstein.h"
 #include "kernel/context.h"
 #include "trivar/internal.h"
 #include "trivar/inverse.h"
@@ -57,42 +56,43 @@ static kn_status gather(kn_ctx *ctx, kn_cells *cells, const kn_shell_inverse *v,
 
 // ---- poles ----
 
-// Whether the slopes of T beside the pole lie on one side of a plane through the axis: then T - axis(w) = t slope
-// vanishes at t = 0 alone. w in [0,1] of the pole's interval.
+// Whether the point is on the axis, as far as T is known, and the slopes of T beside the pole lie on one side of a plane
+// through the axis: then T - axis(w) = t slope vanishes at t = 0 alone. w in [0,1] of the pole's interval.
 static bool opens(const kn_pole *pole, double w, const double *p)
 {
     const kn_bezier *s = &pole->slope;
-    int n = s->degree[0], deg = s->degree[1];
+    int n = s->degree[0];
     size_t plane = kn_bezier_count(s), along = (size_t)pole->axis.degree[0] + 1;
-    double basis[KN_MAX_DEGREE + 1], value[KN_MAX_DEGREE + 1][3], axis[3], middle[3] = {0}, size = 0.0;
-    double point = 1.0 + fabs(p[0]) + fabs(p[1]) + fabs(p[2]), length = 0.0, wide = 0.0;
-    if (deg != 1) return false; // a straight axis
-    kn_bernstein_basis(basis, deg, w);
+    double value[KN_MAX_DEGREE + 1][3], axis[3], away[3], middle[3] = {0}, length = 0.0, wide = 0.0, off = 0.0,
+                                                          dot = 0.0;
+    if (s->degree[1] != 1) return false; // not a straight axis
     for (size_t c = 0; c < 3; c++) {
         const double *a = pole->axis.coef;
         double w0 = pole->axis.rational ? a[3 * along] : 1.0, w1 = pole->axis.rational ? a[3 * along + 1] : 1.0;
+        double weight = (1.0 - w) * w0 + w * w1;
         axis[c] = a[c * along + 1] / w1 - a[c * along] / w0;
+        away[c] = p[c] - ((1.0 - w) * a[c * along] + w * a[c * along + 1]) / weight;
         length += axis[c] * axis[c];
+        dot += axis[c] * away[c];
     }
+    for (int c = 0; c < 3; c++) off = fmax(off, fabs(away[c] - dot / length * axis[c]));
+    if (!(length > 0.0 && off <= pole->error)) return false;
     for (int o = 0; o <= n; o++) {
-        double dot = 0.0;
+        dot = 0.0;
         for (size_t c = 0; c < 3; c++) {
             const double *x = s->coef + c * plane + (size_t)o * 2, *h = s->coef + 3 * plane + (size_t)o * 2;
-            value[o][c] = x[0] * basis[0] + x[1] * basis[1];
-            if (s->ncomp > 3) value[o][c] -= p[c] * (h[0] * basis[0] + h[1] * basis[1]);
+            value[o][c] = (1.0 - w) * x[0] + w * x[1];
+            if (s->ncomp > 3) value[o][c] -= p[c] * ((1.0 - w) * h[0] + w * h[1]);
             dot += value[o][c] * axis[c];
         }
-        for (int c = 0; c < 3; c++) {
-            value[o][c] -= dot / length * axis[c];
-            middle[c] += value[o][c];
-            size = fmax(size, fabs(value[o][c]));
-        }
+        for (int c = 0; c < 3; c++) middle[c] += value[o][c] -= dot / length * axis[c];
     }
     for (int c = 0; c < 3; c++) wide += fabs(middle[c]);
-    double slack = wide * (pole->slope_error * 2.0 * point + 0x1p-40 * size);
+    double point = 1.0 + fabs(p[0]) + fabs(p[1]) + fabs(p[2]);
+    double slack = wide * point * 2.0 * (pole->slope_error + 0x1p-30 * kn_largest(s->coef, plane * (size_t)s->ncomp));
     for (int o = 0; o <= n; o++)
         if (!(value[o][0] * middle[0] + value[o][1] * middle[1] + value[o][2] * middle[2] > slack)) return false;
-    return length > 0.0;
+    return true;
 }
 
 static bool opens_all_round(const kn_shell_inverse *v, const kn_pole *like, double w, const double *p)
