@@ -14,6 +14,9 @@ typedef struct kn_piece_grid {
 } kn_piece_grid;
 kn_status kn_piece_grid_init(kn_ctx *ctx, kn_piece_grid *g, const kn_spline *s);
 void kn_piece_grid_clear(kn_ctx *ctx, kn_piece_grid *g);
+// Whether the derivatives of a surface in variable d agree on both sides of knot line i, 0: of the seam, whatever the
+// knots say.
+kn_status kn_piece_grid_is_c1(kn_ctx *ctx, bool *yes, const kn_piece_grid *s, int d, int i);
 
 // What is fitted, and on which lines.
 typedef struct kn_cells_target {

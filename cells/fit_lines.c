@@ -49,8 +49,7 @@ static kn_status slopes(kn_ctx *ctx, double *slope, const kn_piece_grid *s, int 
     return status;
 }
 
-// Whether these derivatives agree on both sides of the line; i = 0: of the seam.
-static kn_status is_c1(kn_ctx *ctx, bool *yes, const kn_piece_grid *s, int d, int i)
+kn_status kn_piece_grid_is_c1(kn_ctx *ctx, bool *yes, const kn_piece_grid *s, int d, int i)
 {
     double before[3 * PLACES], behind[3 * PLACES], most = 0.0, off = 0.0;
     for (int j = 0; j < s->n[1 - d]; j++) {
@@ -90,7 +89,7 @@ static kn_status smooth_across(kn_ctx *ctx, int *smooth, const kn_cells_target *
         if (!(t >= lo - slack && t <= hi + slack && hi - lo <= slack)) continue;
         bool c1 = false;
         *smooth = p - times < 2 ? p - times : 2;
-        if (*smooth == 0) status = is_c1(ctx, &c1, &f->s, d, knot);
+        if (*smooth == 0) status = kn_piece_grid_is_c1(ctx, &c1, &f->s, d, knot);
         if (c1) *smooth = 1;
     }
     kn_spline_clear(ctx, &line);
@@ -139,7 +138,7 @@ static kn_status find_seam(kn_ctx *ctx, kn_cells_target *f, int d)
     bool closed = same_edges(f->map, d, 1 - d) && same_slopes(f->map, d);
     for (int c = 0; closed && c < f->surface->ncomp; c++) closed = same_edges(f->surface, d, c);
     f->closed[d] = false;
-    return closed ? is_c1(ctx, &f->closed[d], &f->s, d, 0) : KN_OK;
+    return closed ? kn_piece_grid_is_c1(ctx, &f->closed[d], &f->s, d, 0) : KN_OK;
 }
 
 static kn_status make_lines(kn_ctx *ctx, kn_cells_target *f, int d)

@@ -5,13 +5,17 @@
 
 #include <knurl/cells.h>
 
+enum { KN_LINE_FREE, KN_LINE_HELD, KN_LINE_KINK };
+
 // (n[0] + 1) x (n[1] + 1) corners, the last variable fastest, two numbers (u, v) each: corner (i,j) at
 // corners[2 * (i * (n[1] + 1) + j)].
 typedef struct kn_corner_grid {
     const kn_spline *surface;
     int n[2];
     bool closed[2];
-    char *held[2];    // held[d][i]: line i of variable d is a knot of S; its corners keep their place in variable d
+    // held[d][i]: line i of variable d is a knot of S: its corners keep their place in variable d. The ends are not
+    // held, but never leave the ends. KN_LINE_KINK: S is not C1 there, of the ends: not over the seam.
+    char *held[2];
     bool fixed[2][2]; // corners on this edge do not move at all
     double *corners;
     double size[2]; // of the cell that all of them should be, along both variables

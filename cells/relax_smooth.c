@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A map without kinks through the corners: bicubic, C2, certified to have no fold.
+// A smooth map through the corners: bicubic, C2 but where S has a kink, certified to have no fold.
 #include "cells/relax.h"
 #include "kernel/context.h"
 
@@ -11,72 +11,150 @@
 #include <string.h>
 
 // Cells that a closed variable goes on for, at each end: the other end counts 0.27^20 of itself at the seam.
-enum { WRAP = 20, DEPTH = 12, STEPS = 4 };
+enum { WRAP = 20, DEPTH = 12, LINEAR = -1 };
 
 // ---- interpolation ----
 
-// Knots of the cubic spline through n + 1 values at 0 .. n without a knot at 1 and n - 1; lower degrees where there
-// are too few values. Shifted by -wrap.
-static int not_a_knot(double *knots, double *sites, int n, int wrap)
-{
-    int p = n < 3 ? n : 3, k = 0;
-    for (int i = 0; i <= p; i++) knots[k++] = -wrap;
-    for (int i = 2; i <= n - 2; i++) knots[k++] = i - wrap;
-    for (int i = 0; i <= p; i++) knots[k++] = n - wrap;
-    for (int i = 0; i <= n; i++) sites[i] = i - wrap;
-    return p;
-}
+// One variable: cubic pieces over runs of lines between kinks, C0 at kinks and C2 elsewhere. A run of m >= 3 cells is
+// interpolated at its m + 1 lines and has no knot at the first and last one inside; a shorter one at thirds, the values
+// there being those of the polynomial of degree m through its lines. Where such cubics overshoot: the bilinear map's
+// values at Greville's sites, knots at all lines, are taken for the control points. They then lie near the corners
+// only, but increase with them (Schoenberg).
+typedef struct axis {
+    int wrap, count;
+    double *knots, *site;
+    int *first;    // the line where the run of a site begins, and its cells (a short one); 0: the site is a line,
+    int *run;      // LINEAR: it lies between that line and the next
+    bool *is_knot; // of lines 0 .. n
+} axis;
 
-// Corner i of variable d, which goes on beyond the ends of a closed one: its place among the corners, and by how many
-// periods it is off.
+// Line i, which may lie beyond the ends of a closed variable: its place among 0 .. n, and how many periods it is off.
 static int wrapped(int *periods, int i, int n)
 {
     *periods = i < 0 ? -((n - 1 - i) / n) : i > n ? (i - 1) / n : 0;
     return i - *periods * n;
 }
 
-static void gather(double *values, const kn_corner_grid *g, const double *corners, const int wrap[2])
+// The sites of a run of lines from .. to, but for the last one.
+static void run_sites(axis *a, int from, int to)
 {
-    size_t row = (size_t)g->n[1] + 1, k = 0;
+    int m = to - from, sites = m < 3 ? 3 : m;
+    for (int i = 0; i < sites; i++, a->count++) {
+        a->site[a->count] = m < 3 ? from + i * m / 3.0 : from + i;
+        a->first[a->count] = m < 3 ? from : from + i, a->run[a->count] = m < 3 && i > 0 ? m : 0;
+    }
+}
+
+static kn_status net_sites(kn_ctx *ctx, axis *a, int nknots)
+{
+    a->count = nknots - 4;
+    kn_status status = kn_fit_greville(ctx, a->site, a->knots, 3, a->count);
+    for (int i = 0; status == KN_OK && i < a->count; i++) {
+        a->first[i] = (int)floor(a->site[i]);
+        a->run[i] = a->site[i] == a->first[i] ? 0 : LINEAR;
+    }
+    return status;
+}
+
+static kn_status axis_init(kn_ctx *ctx, axis *a, const kn_corner_grid *g, int d, bool net)
+{
+    int n = g->n[d], periods, k = 0;
+    const char *held = g->held[d];
+    *a = (axis){.wrap = g->closed[d] && held[0] != KN_LINE_KINK ? WRAP : 0};
+    size_t room = 3 * ((size_t)n + 2 * WRAP) + 8;
+    a->knots = kn_scratch(ctx, 2 * room, sizeof *a->knots);
+    a->first = kn_scratch(ctx, 2 * room, sizeof *a->first);
+    a->is_knot = kn_scratch(ctx, (size_t)n + 1, sizeof *a->is_knot);
+    if (!a->knots || !a->first || !a->is_knot) return KN_ENOMEM;
+    a->site = a->knots + room, a->run = a->first + room;
+    for (int i = 0; i < 4; i++) a->knots[k++] = -a->wrap;
+    for (int from = -a->wrap, to, end = n + a->wrap, skip = net ? 1 : 2; from < end; from = to) {
+        for (to = from + 1; to < end && held[wrapped(&periods, to, n)] != KN_LINE_KINK;) to++;
+        run_sites(a, from, to);
+        for (int i = from + skip; i <= to - skip; i++) a->knots[k++] = i;
+        for (int i = 0; i < (to < end ? 3 : 4); i++) a->knots[k++] = to;
+        if (to == end) a->site[a->count] = to, a->first[a->count] = to, a->run[a->count++] = 0;
+    }
+    for (int i = 0; i <= n; i++) a->is_knot[i] = i == 0 || i == n;
+    for (int i = 0; i < k; i++)
+        if (a->knots[i] >= 0 && a->knots[i] <= n) a->is_knot[(int)a->knots[i]] = true;
+    return net ? net_sites(ctx, a, k) : KN_OK;
+}
+
+// The lines whose corners make the value at a site, and their weights: one of them, or a short run's.
+static int behind(int line[3], double weight[3], const axis *a, int site)
+{
+    int m = a->run[site];
+    line[0] = a->first[site], weight[0] = 1.0;
+    if (m == 0) return 1;
+    double x = a->site[site] - line[0];
+    if (m == LINEAR) m = 1;
+    for (int i = 0; i <= m; i++) {
+        line[i] = line[0] + i, weight[i] = 1.0;
+        for (int j = 0; j <= m; j++)
+            if (j != i) weight[i] *= (x - j) / (i - j);
+    }
+    return m + 1;
+}
+
+static void gather(double *values, const kn_corner_grid *g, const double *corners, const axis axes[2])
+{
+    size_t row = (size_t)g->n[1] + 1;
     const double *last = corners + 2 * (kn_corner_count(g) - 1);
-    for (int i = -wrap[0]; i <= g->n[0] + wrap[0]; i++)
-        for (int j = -wrap[1]; j <= g->n[1] + wrap[1]; j++, k += 2) {
-            int periods[2];
-            size_t a = (size_t)wrapped(&periods[0], i, g->n[0]), b = (size_t)wrapped(&periods[1], j, g->n[1]);
-            for (size_t d = 0; d < 2; d++)
-                values[k + d] = corners[2 * (a * row + b) + d] + periods[d] * (last[d] - corners[d]);
+    for (int s = 0; s < axes[0].count; s++)
+        for (int t = 0; t < axes[1].count; t++, values += 2) {
+            int line[2][3], periods[2];
+            double weight[2][3];
+            int n0 = behind(line[0], weight[0], &axes[0], s), n1 = behind(line[1], weight[1], &axes[1], t);
+            values[0] = values[1] = 0.0;
+            for (int i = 0; i < n0; i++)
+                for (int j = 0; j < n1; j++) {
+                    size_t k = (size_t)wrapped(&periods[0], line[0][i], g->n[0]) * row;
+                    k += (size_t)wrapped(&periods[1], line[1][j], g->n[1]);
+                    for (size_t d = 0; d < 2; d++)
+                        values[d] += weight[0][i] * weight[1][j] *
+                                     (corners[2 * k + d] + periods[d] * (last[d] - corners[d]));
+                }
         }
 }
 
-static kn_status through_corners(kn_ctx *ctx, kn_spline *map, const kn_corner_grid *g, const double *corners)
+// Every line becomes a knot.
+static kn_status all_lines(kn_ctx *ctx, kn_spline *map, const kn_corner_grid *g, const axis axes[2])
 {
-    int wrap[2], degree[2], count[2];
-    double *knots[2], *sites[2];
-    for (int d = 0; d < 2; d++) {
-        wrap[d] = g->closed[d] ? WRAP : 0;
-        count[d] = g->n[d] + 2 * wrap[d] + 1;
-        knots[d] = kn_scratch(ctx, (size_t)count[d] + 4, sizeof *knots[d]);
-        sites[d] = kn_scratch(ctx, (size_t)count[d], sizeof *sites[d]);
-        if (!knots[d] || !sites[d]) return KN_ENOMEM;
-        degree[d] = not_a_knot(knots[d], sites[d], count[d] - 1, wrap[d]);
-    }
-    double *values = kn_scratch(ctx, (size_t)count[0] * (size_t)count[1], 2 * sizeof *values);
-    if (!values) return KN_ENOMEM;
-    gather(values, g, corners, wrap);
-    const double *const on[2] = {knots[0], knots[1]}, *const at[2] = {sites[0], sites[1]};
-    const double lo[2] = {0.0, 0.0}, hi[2] = {g->n[0], g->n[1]};
-    kn_status status = kn_fit_interpolate(ctx, map, 2, 2, degree, count, on, at, values);
-    if (status == KN_OK && (wrap[0] > 0 || wrap[1] > 0)) status = kn_spline_restrict(ctx, map, map, lo, hi);
-    for (int d = 0; status == KN_OK && d < 2; d++) { // every line becomes a knot
-        double missing[2];
+    kn_status status = KN_OK;
+    for (int d = 0; status == KN_OK && d < 2; d++) {
+        double *missing = kn_scratch(ctx, (size_t)g->n[d], sizeof *missing);
         int n = 0;
-        for (int i = 1; i < g->n[d]; i++) {
-            if (wrap[d] > 0 || (i > 1 && i < g->n[d] - 1)) continue;
-            missing[n++] = i;
-        }
+        if (!missing) return KN_ENOMEM;
+        for (int i = 1; i < g->n[d]; i++)
+            if (!axes[d].is_knot[i]) missing[n++] = i;
         if (n > 0) status = kn_spline_insert_knots(ctx, map, map, d, missing, n);
     }
     return status;
+}
+
+static kn_status by_corners(kn_ctx *ctx, kn_spline *map, const kn_corner_grid *g, const double *corners, bool net)
+{
+    axis a[2];
+    for (int d = 0; d < 2; d++) {
+        kn_status status = axis_init(ctx, &a[d], g, d, net);
+        if (status != KN_OK) return status;
+    }
+    size_t n = (size_t)a[0].count * (size_t)a[1].count;
+    double *values = kn_scratch(ctx, n, 4 * sizeof *values), *coef = values ? values + 2 * n : NULL;
+    if (!values) return KN_ENOMEM;
+    gather(values, g, corners, a);
+    const double *const on[2] = {a[0].knots, a[1].knots}, *const at[2] = {a[0].site, a[1].site};
+    const int degree[2] = {3, 3}, count[2] = {a[0].count, a[1].count};
+    const double lo[2] = {0.0, 0.0}, hi[2] = {g->n[0], g->n[1]};
+    for (size_t k = 0; k < 2 * n; k++) coef[k % 2 * n + k / 2] = values[k];
+    kn_spline made = {0};
+    kn_status status = net ? kn_spline_init(ctx, &made, 2, 2, false, degree, count, on, coef)
+                           : kn_fit_interpolate(ctx, &made, 2, 2, degree, count, on, at, values);
+    if (status == KN_OK) kn_spline_swap(map, &made);
+    kn_spline_clear(ctx, &made);
+    if (status == KN_OK && (a[0].wrap > 0 || a[1].wrap > 0)) status = kn_spline_restrict(ctx, map, map, lo, hi);
+    return status == KN_OK ? all_lines(ctx, map, g, a) : status;
 }
 
 // Edges onto the edges of the domain, and the two ends of a closed variable alike: what rounding took away.
@@ -142,17 +220,21 @@ static kn_status unfolded(kn_ctx *ctx, bool *yes, const kn_spline *map)
 
 kn_status kn_relax_smooth(kn_ctx *ctx, kn_spline *map, const kn_corner_grid *g, const double *start)
 {
+    // What is tried, in turn: how far corners go from the start, and whether they make control points.
+    static const struct {
+        double part;
+        bool net;
+    } tries[] = {{1.0, false}, {1.0, true}, {0.5, false}, {0.0, false}, {0.5, true}, {0.0, true}};
     size_t n = 2 * kn_corner_count(g);
     kn_mark mark = kn_scratch_mark(ctx);
     double *corners = kn_scratch(ctx, n, sizeof *corners);
     kn_spline s = {0};
     bool fine = false;
     kn_status status = corners ? KN_OK : KN_ENOMEM;
-    for (int k = STEPS; k >= 0 && status == KN_OK && !fine; k--) { // back to even lines, as far as it takes
-        double part = (double)k / STEPS;
+    for (size_t k = 0; k < sizeof tries / sizeof *tries && status == KN_OK && !fine; k++) {
         for (size_t i = 0; i < n; i++)
-            corners[i] = g->corners[i] == start[i] ? start[i] : start[i] + part * (g->corners[i] - start[i]);
-        status = through_corners(ctx, &s, g, corners);
+            corners[i] = tries[k].part == 1.0 ? g->corners[i] : start[i] + tries[k].part * (g->corners[i] - start[i]);
+        status = by_corners(ctx, &s, g, corners, tries[k].net);
         if (status == KN_OK) settle_edges(&s, g);
         if (status == KN_OK) status = unfolded(ctx, &fine, &s);
     }

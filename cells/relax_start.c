@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Where the search for corners begins: even lines, some of them held on knots.
+#include "cells/fit.h"
 #include "cells/internal.h"
 #include "cells/relax.h"
 #include "kernel/context.h"
@@ -26,7 +27,7 @@ static kn_status start_lines(kn_ctx *ctx, double *lines, char *held, const kn_sp
     double *fine = NULL;
     kn_status status = kn_cells_even_lines(ctx, &fine, surface, var, every * count);
     if (status != KN_OK) return status;
-    for (int i = 0; i <= count; i++) lines[i] = fine[every * i], held[i] = 0;
+    for (int i = 0; i <= count; i++) lines[i] = fine[every * i], held[i] = KN_LINE_FREE;
     int first = 0;
     for (int h = 0; h <= nhold; h++) {
         int last = h == nhold ? count : nearest(lines, first + 1, count - (nhold - h), hold[h]);
@@ -35,7 +36,7 @@ static kn_status start_lines(kn_ctx *ctx, double *lines, char *held, const kn_sp
         for (int i = first + 1; i < last; i++) // a share of [from,to] becomes the same share of [start,end]
             lines[i] = start + (end - start) * ((fine[every * i] - from) / (to - from));
         lines[last] = end;
-        if (h < nhold) held[last] = 1;
+        if (h < nhold) held[last] = KN_LINE_HELD;
         first = last;
     }
     kn_free(ctx, fine);
@@ -54,6 +55,26 @@ static int knots_to_hold(double *hold, const kn_spline *surface, int var, bool a
         i += times;
     }
     return found;
+}
+
+// Where lines have to keep their kinks.
+static kn_status find_kinks(kn_ctx *ctx, const kn_corner_grid *g, double *const lines[2])
+{
+    kn_piece_grid s;
+    kn_status status = kn_piece_grid_init(ctx, &s, g->surface);
+    for (int d = 0; d < 2; d++) {
+        int n = g->n[d], knot = 0;
+        for (int i = 0; i <= n && status == KN_OK; i++) {
+            if (i > 0 && g->held[d][i] == KN_LINE_FREE) continue;
+            bool smooth = true;
+            while (i > 0 && s.brk[d][knot] != lines[d][i]) knot++;
+            if (i > 0 || g->closed[d]) status = kn_piece_grid_is_c1(ctx, &smooth, &s, d, knot);
+            if (!smooth) g->held[d][i] = KN_LINE_KINK;
+        }
+        g->held[d][n] = g->held[d][0];
+    }
+    kn_piece_grid_clear(ctx, &s);
+    return status;
 }
 
 // What the mean cell measures along both variables, with the area that all cells have together.
@@ -90,8 +111,8 @@ static kn_status given_lines(kn_ctx *ctx, char *held, const double *lines, int v
 {
     int h = 0;
     for (int i = 0; i <= count; i++) {
-        held[i] = h < nhold && lines[i] == hold[h];
-        h += held[i];
+        held[i] = h < nhold && lines[i] == hold[h] ? KN_LINE_HELD : KN_LINE_FREE;
+        h += held[i] == KN_LINE_HELD;
     }
     if (h == nhold) return KN_OK;
     return kn_fail(ctx, KN_EDOMAIN, "relax: the knot %g in variable %d is not among the lines", hold[h], var);
@@ -122,5 +143,6 @@ kn_status kn_relax_start(kn_ctx *ctx, kn_corner_grid *g, const double *const giv
             double *to = g->corners + 2 * ((size_t)i * row + (size_t)j);
             to[0] = lines[0][i], to[1] = lines[1][j];
         }
-    return wanted_size(ctx, g);
+    kn_status status = find_kinks(ctx, g, lines);
+    return status == KN_OK ? wanted_size(ctx, g) : status;
 }

@@ -55,8 +55,9 @@ KN_API KN_CHECKED kn_status kn_cells_uniform_lines(kn_ctx *ctx, double **lines, 
                                                    int count);
 // The same, size and steps in length: with L(t) the length of S along var from the domain's start to t, averaged over
 // the other variable, a knot span gets cells in proportion to its part of L, and inside it lines are at equal steps
-// of L. So cells are as even as lines of one variable make them, and a tile is only stretched: C0 and G1 across cells
-// if it is so on equal ones.
+// of L. So cells are as even as lines of one variable make them. A tile is only stretched, each cell by its own factors:
+// what is C0 on equal cells stays so, and what is G1 where it crosses a line at right angles or lies flat there (its
+// tangent plane contains the direction across the line); otherwise slopes on both sides differ as the widths do.
 // fails:  KN_EDOMAIN var, count below the knot spans, no length, or lines so near that they fall together.
 // error:  that of L: Gauss's rule of 10 points on eighths of each knot span and its interpolant in between, inverted
 //         until steps are below 1e-15 of a span. Measured against closed forms: lines within 1e-12 of the domain.
@@ -108,7 +109,7 @@ typedef struct kn_cells_relax_options {
     bool fixed[2][2]; // [variable][end]: corners on that edge stay where the lines put them, to match a neighbour
     bool closed[2];   // corners of the two ends move together
     bool all_knots;   // lines stay on all knots of S, not only where it is C1 at most: for kn_cells_compose
-    bool smooth;      // map: bicubic and C2 through the corners, so that nothing has a kink at lines of cells
+    bool smooth;      // map: bicubic and C2, so that nothing has a kink at lines of cells but where S has one
     double area;      // how much even areas count beside even shapes, which count 1; 0: 4
     int iterations;   // 0: 200
 } kn_cells_relax_options;
@@ -120,9 +121,9 @@ typedef struct kn_cells_relax_options {
 // out:    corners on the edges of the domain stay on them, and its own four corners where they are. Lines of cells
 //         stay on knots at which S is C1 at most (kinks, the quarters of circles), corners slide along them. The cell
 //         that all should be has the mean area, and the proportion of the mean lengths of S both ways over the
-//         counts. The energy of the corners is that of the lines at most. smooth: fewer than 4 lines in a
-//         variable give its degree less; over the seam of a closed variable the map goes on as smoothly. The same
-//         bits every time.
+//         counts. The energy of the corners is that of the lines at most. smooth: through the corners, which are moved
+//         back to the lines as far as it takes to have no fold; C0 at knots where S is not C1; over the seam of a
+//         closed variable it goes on as smoothly. The same bits every time.
 // fails:  KN_EDOMAIN count, lines, options, a surface without area; KN_EUNDECIDED lines so near that a cell is not certain to
 //         be without a fold at the start, or that no smooth map is; KN_ELIMIT, KN_ECANCELLED.
 // cost:   about 3 us a cell and iteration; it ends when four in turn gain less than 1e-5 of the energy each. 40 x 40

@@ -336,7 +336,7 @@ static void smooth(void **state)
         assert_int_equal(kn_cells_relax(ctx, &flat, &s, n, &o), KN_OK);
         o.smooth = true;
         assert_int_equal(kn_cells_relax(ctx, &map, &s, n, &o), KN_OK);
-        assert_true(map.degree[0] == 3 && map.degree[1] == 3 && map.count[0] == n[0] + 3);
+        assert_true(map.degree[0] == 3 && map.degree[1] == 3 && map.count[0] >= n[0] + 3);
         assert_int_equal(kn_spline_spans(&map, 0), n[0]);
         bool through = true;
         for (int i = 0; i <= n[0]; i++)
@@ -371,9 +371,12 @@ static void smooth(void **state)
     const kn_cells_relax_options o = {.smooth = true};
     for (int k = 1; k <= 4; k++) {
         assert_int_equal(kn_cells_relax(ctx, &map, &s, (const int[]){k, 5 - k}, &o), KN_OK);
-        assert_int_equal(map.degree[0], k < 3 ? k : 3);
+        assert_true(map.degree[0] == 3 && map.degree[1] == 3);
         assert_int_equal(kn_spline_spans(&map, 0), k);
     }
+    kn_spline_clear(ctx, &s);
+    hills(ctx, &s); // few cells of uneven sizes: cubics through their corners fold, and control points do not
+    for (int k = 1; k <= 4; k++) assert_int_equal(kn_cells_relax(ctx, &map, &s, (const int[]){3, k}, &o), KN_OK);
     kn_spline_clear(ctx, &s), kn_spline_clear(ctx, &map);
     test_ctx_end(ctx, &memory);
 }
