@@ -147,8 +147,19 @@ kn_status kn_job_cut_rows(kn_ctx *ctx, kn_job_bases *bases, const kn_job *job);
 kn_status kn_job_diagonal(kn_ctx *ctx, double *out, const kn_spline *surfaces, int nsurfaces);
 // o->size where it is not given.
 void kn_job_resolve_size(kn_job_options *o, double diagonal);
-// job->surfaces' counts, lines and partners, height, mesh_tol, patches and segments, from the options.
-kn_status kn_job_decide_sizes(kn_ctx *ctx, kn_job *job, const kn_spline *surfaces);
+// job->surfaces' counts, lines and partners, height, mesh_tol, patches and segments, from the options; the bases' faces
+// where corners are free, and their thickness where heights follow the stretch.
+kn_status kn_job_decide_sizes(kn_ctx *ctx, kn_job *job, kn_job_bases *bases);
+
+// ---- job_free.c ----
+// Replaces the faces by S(map), and the lines, which are even ones, by integers; report.cells_error. cell: its mean side.
+kn_status kn_job_free_corners(kn_ctx *ctx, kn_job *job, kn_job_bases *bases, double cell);
+
+// ---- job_stretch.c ----
+// Multiplies the parts' thickness by the stretch of their cells, whose lines and spread are there;
+// report.stretch_error.
+kn_status kn_job_stretch(kn_ctx *ctx, kn_job *job, kn_job_bases *bases);
+
 // ---- job_shells.c ----
 // job->surfaces' shells and bounds of the Jacobian.
 kn_status kn_job_make_shells(kn_ctx *ctx, kn_job *job, const kn_job_bases *bases);

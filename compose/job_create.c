@@ -52,7 +52,7 @@ static kn_status plan(kn_ctx *ctx, kn_job *job, const kn_spline *surfaces, int n
     kn_status status = copy_tile(ctx, &job->tile, tile);
     if (status == KN_OK) status = kn_tile_rotate(ctx, &job->tile, job->options.quarter_turns);
     if (status == KN_OK) status = kn_job_split(ctx, &bases, job, surfaces, nsurfaces);
-    if (status == KN_OK) status = kn_job_decide_sizes(ctx, job, bases.faces);
+    if (status == KN_OK) status = kn_job_decide_sizes(ctx, job, &bases);
     if (status == KN_OK) status = kn_job_make_shells(ctx, job, &bases);
     if (status == KN_OK) status = kn_job_plan(ctx, job);
     kn_job_bases_clear(ctx, &bases);

@@ -21,7 +21,8 @@ static kn_status find_knots(kn_ctx *ctx, bool **out, const double *lines, int co
 static bool even(const kn_job *job, int along)
 {
     const kn_job_options *o = &job->options;
-    return o->spacing == KN_CELLS_EVEN || (o->spacing == KN_CELLS_DEFAULT && o->count[along] == 0);
+    return o->spacing == KN_CELLS_EVEN || o->spacing == KN_CELLS_FREE || // free corners start there
+           (o->spacing == KN_CELLS_DEFAULT && o->count[along] == 0);
 }
 
 static bool together(const kn_job *job, const kn_job_class *classes, int a, int b)

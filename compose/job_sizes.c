@@ -93,51 +93,85 @@ static kn_status choose_segments(kn_ctx *ctx, kn_job *job, const kn_job_measure 
     return KN_OK;
 }
 
-kn_status kn_job_decide_sizes(kn_ctx *ctx, kn_job *job, const kn_spline *surfaces)
+// What is measured of all surfaces on the way.
+typedef struct sizes {
+    kn_job_measure *measures;
+    int (*counts)[2];
+    kn_job_partner *partners;
+    kn_job_class *classes;
+} sizes;
+
+static kn_status measure_all(kn_ctx *ctx, sizes *z, const kn_spline *surfaces, int n)
 {
-    size_t n = (size_t)job->nsurfaces;
-    kn_job_options *o = &job->options;
-    kn_job_measure *measures = kn_alloc(ctx, n, sizeof *measures);
-    int(*counts)[2] = kn_alloc(ctx, n, sizeof *counts);
-    kn_job_partner *partners = kn_alloc(ctx, 4 * n, sizeof *partners);
-    kn_job_class *classes = kn_alloc(ctx, 2 * n, sizeof *classes);
-    double diagonal = 0.0;
-    kn_status status = measures && counts && partners && classes
-                           ? kn_job_diagonal(ctx, &diagonal, surfaces, job->nsurfaces)
-                           : KN_ENOMEM;
-    for (int s = 0; status == KN_OK && s < job->nsurfaces; s++)
-        status = kn_job_measure_surface(ctx, &measures[s], &surfaces[s]);
-    kn_job_resolve_size(o, diagonal);
-    job->diagonal = diagonal;
-    if (status == KN_OK) status = kn_job_find_partners(ctx, partners, surfaces, job->nsurfaces, 1e-9 * diagonal);
-    if (status == KN_OK) status = kn_job_find_classes(ctx, classes, partners, job->nsurfaces);
-    if (status == KN_OK) status = kn_job_counts(ctx, counts, job, surfaces, measures, classes);
-    for (int s = 0; status == KN_OK && s < job->nsurfaces; s++) {
-        size_t cells = (size_t)counts[s][0] * (size_t)counts[s][1];
+    kn_status status = KN_OK;
+    for (int s = 0; status == KN_OK && s < n; s++)
+        status = kn_job_measure_surface(ctx, &z->measures[s], &surfaces[s]);
+    return status;
+}
+
+// Counts of cells, and which edges meet.
+static kn_status count_cells(kn_ctx *ctx, kn_job *job, sizes *z, const kn_spline *surfaces)
+{
+    int n = job->nsurfaces;
+    kn_status status = kn_job_find_partners(ctx, z->partners, surfaces, n, 1e-9 * job->diagonal);
+    if (status == KN_OK) status = kn_job_find_classes(ctx, z->classes, z->partners, n);
+    if (status == KN_OK) status = kn_job_counts(ctx, z->counts, job, surfaces, z->measures, z->classes);
+    for (int s = 0; status == KN_OK && s < n; s++) {
+        size_t cells = (size_t)z->counts[s][0] * (size_t)z->counts[s][1];
         job->surfaces[s].first_cell = job->ncells;
-        for (int d = 0; d < 2; d++) job->surfaces[s].cells[d] = counts[s][d];
-        for (int e = 0; e < 4; e++) job->surfaces[s].partner[e] = partners[4 * s + e];
+        for (int d = 0; d < 2; d++) job->surfaces[s].cells[d] = z->counts[s][d];
+        for (int e = 0; e < 4; e++) job->surfaces[s].partner[e] = z->partners[4 * s + e];
         if (cells > KN_JOB_MAX_CELLS - job->ncells)
             status = kn_fail(ctx, KN_ELIMIT, "job: more than %zu cells", KN_JOB_MAX_CELLS);
         else
             job->ncells += cells;
     }
     if (status == KN_OK) kn_job_number_cells(job);
-    if (status == KN_OK) status = kn_job_make_lines(ctx, job, surfaces, classes);
-    if (status == KN_OK) status = kn_job_measure_spread(ctx, job, surfaces);
-    if (status == KN_OK) {
-        double size = mean_cell_size(measures, counts, job->nsurfaces);
-        if (o->height == 0.0) o->height = (job->tile.aspect > 0.0 ? job->tile.aspect : 1.0) * size;
-        if (o->mesh_tol == 0.0) o->mesh_tol = size / 100.0;
-        if (o->side == KN_JOB_BELOW) o->height = -fabs(o->height);
-        job->report.cell_size = size;
-        job->report.height = o->height;
-        status = kn_job_make_patches(ctx, job);
+    return status;
+}
+
+static kn_status place_cells(kn_ctx *ctx, kn_job *job, sizes *z, kn_job_bases *bases)
+{
+    kn_status status = kn_job_make_lines(ctx, job, bases->faces, z->classes);
+    if (status == KN_OK && job->options.spacing == KN_CELLS_FREE) {
+        status = kn_job_free_corners(ctx, job, bases, mean_cell_size(z->measures, z->counts, job->nsurfaces));
+        if (status == KN_OK) status = measure_all(ctx, z, bases->faces, job->nsurfaces);
     }
-    if (status == KN_OK) status = choose_segments(ctx, job, measures, counts);
-    kn_free(ctx, measures);
-    kn_free(ctx, counts);
-    kn_free(ctx, partners);
-    kn_free(ctx, classes);
+    if (status == KN_OK) status = kn_job_measure_spread(ctx, job, bases->faces);
+    if (status == KN_OK && job->options.stretch) status = kn_job_stretch(ctx, job, bases);
+    return status;
+}
+
+static kn_status decide_heights(kn_ctx *ctx, kn_job *job, const sizes *z)
+{
+    kn_job_options *o = &job->options;
+    double size = mean_cell_size(z->measures, z->counts, job->nsurfaces);
+    if (o->height == 0.0) o->height = (job->tile.aspect > 0.0 ? job->tile.aspect : 1.0) * size;
+    if (o->mesh_tol == 0.0) o->mesh_tol = size / 100.0;
+    if (o->side == KN_JOB_BELOW) o->height = -fabs(o->height);
+    job->report.cell_size = size;
+    job->report.height = o->height;
+    kn_status status = kn_job_make_patches(ctx, job);
+    return status == KN_OK ? choose_segments(ctx, job, z->measures, z->counts) : status;
+}
+
+kn_status kn_job_decide_sizes(kn_ctx *ctx, kn_job *job, kn_job_bases *bases)
+{
+    size_t n = (size_t)job->nsurfaces;
+    sizes z = {.measures = kn_alloc(ctx, n, sizeof *z.measures)};
+    z.counts = kn_alloc(ctx, n, sizeof *z.counts);
+    z.partners = kn_alloc(ctx, 4 * n, sizeof *z.partners);
+    z.classes = kn_alloc(ctx, 2 * n, sizeof *z.classes);
+    bool room = z.measures && z.counts && z.partners && z.classes;
+    kn_status status = room ? kn_job_diagonal(ctx, &job->diagonal, bases->faces, bases->n) : KN_ENOMEM;
+    kn_job_resolve_size(&job->options, job->diagonal);
+    if (status == KN_OK) status = measure_all(ctx, &z, bases->faces, job->nsurfaces);
+    if (status == KN_OK) status = count_cells(ctx, job, &z, bases->faces);
+    if (status == KN_OK) status = place_cells(ctx, job, &z, bases);
+    if (status == KN_OK) status = decide_heights(ctx, job, &z);
+    kn_free(ctx, z.measures);
+    kn_free(ctx, z.counts);
+    kn_free(ctx, z.partners);
+    kn_free(ctx, z.classes);
     return status;
 }

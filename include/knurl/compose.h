@@ -158,7 +158,10 @@ typedef enum kn_cells_spacing {
     KN_CELLS_DEFAULT, // even in each direction whose count comes from a size, uniform where it is given
     KN_CELLS_UNIFORM, // equal parameter steps in each knot span (kn_cells_uniform_lines)
     KN_CELLS_EVEN,    // equal steps of length, for surfaces that share edges together (kn_cells_shared_lines)
-    KN_CELLS_FREE,    // corners free in both directions: S is replaced by S(map) (kn_cells_relax)
+    // Corners free in both directions: S is replaced by a fit of S(map) (kn_cells_relax, smooth; kn_cells_fit), from
+    // even lines on; on edges that surfaces share they stay there, and everywhere where cells are too few for a map
+    // without a fold. Not for volumes, nor with fields over S.
+    KN_CELLS_FREE,
 } kn_cells_spacing;
 
 // Where w in [0,1] of the tile lies, H the height.
@@ -180,9 +183,15 @@ typedef struct kn_job_options {
     kn_job_side side;
     int quarter_turns; // of the tile in its cell
     kn_cells_spacing spacing;
-    bool rows;        // rows of cells may have different counts, where S narrows (kn_cells_bands); casual tiles only
-    bool stretch;     // heights follow the local stretch (kn_cells_stretch)
-    double cells_tol; // of S(map) where it is fitted, length units; 0: 1e-4 of a cell
+    // Rows of cells, across the surfaces' variable 1, may have different counts where S narrows (kn_cells_shared_bands,
+    // surfaces side by side alike). Cells of two bands do not meet at their border: tiles that reach over it go on over
+    // the same surface, among the cells there. Casual tiles and sizes alone. Where variable 1 meets a neighbour's
+    // variable 0 at an edge, both stay whole.
+    bool rows;
+    // Heights follow the local stretch: the thickness is multiplied by kn_cells_stretch (of degree 2, or 1 where
+    // max_degree leaves no room), made one on edges that surfaces share. Not for volumes.
+    bool stretch;
+    double cells_tol; // of S(map) with KN_CELLS_FREE, length units; 0: 1e-4 of a cell
     // The shell. Splines over [0,1]^2, which stands for each surface's domain; NULL: none (shell.h). Their knots become
     // knots of S: cells have lines there. Not for volumes.
     kn_normal_method normal;
@@ -211,6 +220,7 @@ typedef struct kn_job_report {
     double jacobian_lo, jacobian_hi; // kn_shell_jacobian_bounds over the heights that the tile occupies
     kn_cells_spread spread;          // of all cells
     double cells_error;              // bound of |S in use - S(map)| with KN_CELLS_FREE; 0: exact
+    double stretch_error;            // relative, of the heights that follow the stretch (kn_cells_stretch)
 } kn_job_report;
 
 // Stable identity of an output patch.
