@@ -9,6 +9,8 @@
 
 #include <knurl/fold.h>
 
+enum { KN_MEET_MOST = 64 }; // pieces that are looked at together
+
 // T of one shell over its (u,v) and the heights that matter.
 typedef struct kn_meet_chart {
     kn_spline volume;

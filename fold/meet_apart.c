@@ -82,17 +82,20 @@ static bool find_plane(const kn_meet_cloud *a, const kn_meet_cloud *b, const dou
     return false;
 }
 
+static bool is_small(const kn_meet_node *n)
+{
+    int pieces = 1;
+    for (int d = 0; d < 3; d++) pieces *= n->last[d] - n->first[d] + 1;
+    return n->chart >= 0 && pieces <= 8;
+}
+
 kn_status kn_meet_plane(kn_meet *m, bool *apart, int ia, int ib)
 {
     kn_meet_node x[2] = {m->nodes[ia], m->nodes[ib]};
     kn_meet_cloud cloud[2];
     double v[3], size = 0.0;
     *apart = false;
-    for (int i = 0; i < 2; i++) {
-        int pieces = 1;
-        for (int d = 0; d < 3; d++) pieces *= x[i].last[d] - x[i].first[d] + 1;
-        if (x[i].chart < 0 || pieces > 4) return KN_OK;
-    }
+    if (!is_small(&x[0]) || !is_small(&x[1])) return KN_OK;
     kn_mark mark = kn_scratch_mark(m->ctx);
     kn_status status = kn_meet_gather(m, &cloud[0], &x[0]);
     if (status == KN_OK) status = kn_meet_gather(m, &cloud[1], &x[1]);
@@ -114,102 +117,140 @@ typedef struct part {
     double at[3]; // a place there
 } part;
 
-// How a patch lies to one side of a plane: f = v . T - c >= slope s - touch, s the sum of the distances from the ends,
-// in parts of the box. With weights means of f_k >= slope s_k - touch are at least slope (least w / most w) s - touch.
-static void slope_of(double *slope, double *touch, const kn_meet_patch *p, const int end[3], const double *v,
-                     double c)
+// How a part's node lies to one side of a plane: f = v . T - c >= slope s - touch, s the sum of the distances from the
+// ends, in parts of the node's box.
+typedef struct lean {
+    double slope, touch;
+    double least, most; // weights
+} lean;
+
+// s of control point k.
+static double distance(const part *p, const kn_net *net, const double from[3], const double to[3], size_t k)
 {
-    size_t n = p->net.count, inner[3];
-    double least = INFINITY, most = 0.0, error = 0.0;
-    *slope = INFINITY, *touch = 0.0;
-    for (int d = 0; d < 3; d++) inner[d] = kn_net_inner(&p->net, d);
+    double s = 0.0;
+    for (int d = 0; d < 3; d++) {
+        double n = net->degree[d], i = (double)(k / kn_net_inner(net, d) % (size_t)(net->degree[d] + 1));
+        if (p->end[d] < 0 || n == 0.0) continue;
+        double x = (from[d] + (to[d] - from[d]) * (i / n) - p->node->lo[d]) / (p->node->hi[d] - p->node->lo[d]);
+        s += p->end[d] ? 1.0 - x : x;
+    }
+    return s < 0x1p-20 ? 0.0 : s;
+}
+
+// With weights means of f_k >= slope s_k - touch are at least slope (least w / most w) s - touch.
+static void lean_of(lean *l, const part *part, const kn_meet_patch *p, const double from[3], const double to[3],
+                    const double *v, double c)
+{
+    size_t n = p->net.count;
+    double error = 0.0, least = INFINITY;
     for (size_t k = 0; k < n; k++) {
-        double w = p->rational ? p->coef[3 * n + k] : 1.0, f = -c, s = 0.0, size = fabs(c);
+        double w = p->rational ? p->coef[3 * n + k] : 1.0, f = -c, size = fabs(c);
+        double s = distance(part, &p->net, from, to, k);
         for (int d = 0; d < 3; d++) {
-            double x = p->coef[(size_t)d * n + k] / w, i = (double)(k / inner[d] % (size_t)(p->net.degree[d] + 1));
+            double x = p->coef[(size_t)d * n + k] / w;
             f += v[d] * x;
             size += fabs(v[d] * x);
-            if (end[d] < 0 || p->net.degree[d] == 0) continue;
-            s += end[d] ? 1.0 - i / p->net.degree[d] : i / p->net.degree[d];
         }
-        least = fmin(least, w), most = fmax(most, w);
+        least = fmin(least, w), l->most = fmax(l->most, w);
         error = fmax(error, kn_rounding(8.0) * size);
         if (s > 0.0)
-            *slope = fmin(*slope, f / s);
+            l->slope = fmin(l->slope, f / s);
         else
-            *touch = fmax(*touch, -f);
+            l->touch = fmax(l->touch, -f);
     }
+    l->least = fmin(l->least, least);
     for (int d = 0; d < 3; d++)
         error += fabs(v[d]) * (p->error[d] + (p->rational ? 2.0 * fabs(c) * p->error[3] : 0.0)) / (0.9 * least);
-    *slope *= 0.99 * least / most; // 0.01 pays for the rounding of s, f / s and the weights
-    *touch = fmax(*touch, 0.0) + error;
+    l->touch = fmax(l->touch, 0.0) + 2.0 * error;
 }
 
-// The middle of a patch's control points less the mean of those that are shared.
-static void direction(double out[3], const kn_meet_patch *p, const int end[3])
+// What is done with each piece of a part's node.
+typedef struct sums {
+    double all[3], some[3]; // of control points, and of those with s = 0
+    size_t n, shared;
+} sums;
+
+static void add_points(sums *sum, const part *part, const kn_meet_patch *p, const double from[3], const double to[3])
 {
-    size_t n = p->net.count, inner[3], shared = 0;
-    double all[3] = {0}, some[3] = {0};
-    for (int d = 0; d < 3; d++) inner[d] = kn_net_inner(&p->net, d);
+    size_t n = p->net.count;
     for (size_t k = 0; k < n; k++) {
-        bool in = true;
-        for (int d = 0; d < 3; d++) {
-            size_t i = k / inner[d] % (size_t)(p->net.degree[d] + 1);
-            if (end[d] >= 0 && i != (end[d] ? (size_t)p->net.degree[d] : 0)) in = false;
-        }
-        shared += in;
+        bool in = distance(part, &p->net, from, to, k) == 0.0;
+        sum->shared += in, sum->n++;
         for (int d = 0; d < 3; d++) {
             double x = p->coef[(size_t)d * n + k] / (p->rational ? p->coef[3 * n + k] : 1.0);
-            all[d] += x / (double)n;
-            if (in) some[d] += x;
+            sum->all[d] += x;
+            if (in) sum->some[d] += x;
         }
     }
-    for (int d = 0; d < 3; d++) out[d] = all[d] - some[d] / (double)(shared ? shared : 1);
 }
 
-// The plane through the shared fibre, whose direction is `along`, that halves the angle between the two patches. With
-// f >= slope s - touch on one side and <= -(slope s - touch) on the other equal images have s <= 2 touch / slope on
-// both: that part of each box must be shorter than the resolution.
-static bool is_plane(const kn_meet *m, const part side[2], const kn_meet_patch patch[2], const double *along,
-                     const double *point)
+// sum != NULL: adds the points of all pieces; else lean: how they lie.
+static kn_status survey(kn_meet *m, const part *part, sums *sum, lean *l, const double *v, double c)
 {
-    double v[3], d[2][3];
-    for (int i = 0; i < 2; i++) {
-        direction(d[i], &patch[i], side[i].end);
-        double t = dot(along, along) > 0.0 ? dot(d[i], along) / dot(along, along) : 0.0;
-        for (int k = 0; k < 3; k++) d[i][k] -= t * along[k];
-        double length = sqrt(dot(d[i], d[i]));
-        if (!(length > 0.0)) return false;
-        for (int k = 0; k < 3; k++) d[i][k] /= length;
-    }
-    for (int k = 0; k < 3; k++) v[k] = d[0][k] - d[1][k];
-    double length = sqrt(dot(v, v)), c, slope[2], touch[2];
-    if (!(length > 0.1)) return false;
-    for (int k = 0; k < 3; k++) v[k] /= length;
-    c = dot(v, point);
-    slope_of(&slope[0], &touch[0], &patch[0], side[0].end, v, c);
-    for (int k = 0; k < 3; k++) v[k] = -v[k];
-    slope_of(&slope[1], &touch[1], &patch[1], side[1].end, v, -c);
-    for (int i = 0; i < 2; i++) {
-        double reach = side[i].node->length[0] + side[i].node->length[1] + side[i].node->length[2];
-        if (!(slope[i] > 0.0 && 2.0 * (touch[0] + touch[1]) * reach <= m->resolution * slope[i])) return false;
-    }
-    return true;
+    const kn_meet_node *n = part->node;
+    int at[3];
+    for (at[0] = n->first[0]; at[0] <= n->last[0]; at[0]++)
+        for (at[1] = n->first[1]; at[1] <= n->last[1]; at[1]++)
+            for (at[2] = n->first[2]; at[2] <= n->last[2]; at[2]++) {
+                kn_meet_patch p;
+                double from[3], to[3];
+                kn_mark mark = kn_scratch_mark(m->ctx);
+                kn_status status = kn_meet_restrict(m, &p, from, to, n->chart, at, n->lo, n->hi);
+                if (status == KN_OK && sum) add_points(sum, part, &p, from, to);
+                if (status == KN_OK && !sum) lean_of(l, part, &p, from, to, v, c);
+                kn_scratch_release(m->ctx, mark);
+                if (status != KN_OK) return status;
+            }
+    return KN_OK;
 }
 
+// From what is shared to the middle of the rest, across the fibre, of length 1; false when there is none.
+static kn_status direction(kn_meet *m, double out[3], bool *any, const part *part, const double *along)
+{
+    sums sum = {0};
+    kn_status status = survey(m, part, &sum, NULL, NULL, 0.0);
+    if (status != KN_OK) return status;
+    for (int d = 0; d < 3; d++)
+        out[d] = sum.all[d] / (double)sum.n - sum.some[d] / (double)(sum.shared ? sum.shared : 1);
+    double t = dot(along, along) > 0.0 ? dot(out, along) / dot(along, along) : 0.0;
+    for (int k = 0; k < 3; k++) out[k] -= t * along[k];
+    double length = sqrt(dot(out, out));
+    *any = length > 0.0;
+    for (int k = 0; k < 3 && *any; k++) out[k] /= length;
+    return KN_OK;
+}
+
+// The plane through the shared fibre, whose direction is `along`, that halves the angle between the two. With
+// f >= slope s - touch on one side and <= -(slope s - touch) on the other equal images have slope s <= the sum of both
+// touches on both: that part of each box must be shorter than the resolution.
 static kn_status try_plane(kn_meet *m, bool *apart, const part side[2], const double *along, const double *point)
 {
-    kn_meet_patch patch[2];
-    kn_mark mark = kn_scratch_mark(m->ctx);
-    kn_status status = KN_OK;
-    for (int i = 0; i < 2 && status == KN_OK; i++) {
-        const kn_meet_node *n = side[i].node;
-        double lo[3], hi[3];
-        status = kn_meet_restrict(m, &patch[i], lo, hi, n->chart, n->first, n->lo, n->hi);
+    double v[3], d[2][3], touch = 0.0;
+    lean l[2];
+    *apart = false;
+    for (int i = 0; i < 2; i++) {
+        bool any;
+        kn_status status = direction(m, d[i], &any, &side[i], along);
+        if (status != KN_OK || !any) return status;
     }
-    if (status == KN_OK) *apart = is_plane(m, side, patch, along, point);
-    kn_scratch_release(m->ctx, mark);
-    return status;
+    for (int k = 0; k < 3; k++) v[k] = d[0][k] - d[1][k];
+    double length = sqrt(dot(v, v));
+    if (!(length > 0.1)) return KN_OK;
+    for (int i = 0; i < 2; i++) {
+        for (int k = 0; k < 3; k++) v[k] = (i ? -1.0 : 1.0) * fabs(1.0 / length) * (d[0][k] - d[1][k]);
+        l[i] = (lean){.slope = INFINITY, .least = INFINITY};
+        kn_status status = survey(m, &side[i], NULL, &l[i], v, dot(v, point));
+        if (status != KN_OK) return status;
+        if (!(l[i].slope > 0.0)) return KN_OK;
+        touch += l[i].touch;
+    }
+    *apart = true;
+    for (int i = 0; i < 2; i++) {
+        // 0.99 pays for the rounding of s, f / s and the weights
+        double reach = side[i].node->length[0] + side[i].node->length[1] + side[i].node->length[2];
+        *apart = *apart && 2.0 * touch * reach <= m->resolution * l[i].slope * 0.99 * l[i].least / l[i].most;
+    }
+    return KN_OK;
 }
 
 // The four corners of a node's (u,v); two that a pole makes one are given once. Returns how many.
@@ -273,7 +314,7 @@ kn_status kn_meet_fibre(kn_meet *m, bool *apart, int a, int b)
 {
     part x[4], y[4];
     *apart = false;
-    if (!kn_meet_is_piece(&m->nodes[a]) || !kn_meet_is_piece(&m->nodes[b])) return KN_OK;
+    if (!is_small(&m->nodes[a]) || !is_small(&m->nodes[b])) return KN_OK;
     if (!at_edge(m, &m->nodes[a]) || !at_edge(m, &m->nodes[b])) return KN_OK;
     int nx = corners(m, x, &m->nodes[a]), ny = corners(m, y, &m->nodes[b]);
     for (int i = 0; i < nx && !*apart; i++)

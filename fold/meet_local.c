@@ -16,15 +16,13 @@
 
 #include <string.h>
 
-enum { MOST = 64 }; // pieces in H
-
 // Vectors whose means, each component within the error, are what column `column` of DT is on some part of H.
 typedef struct vectors {
     struct vectors *next;
     int column;
     size_t n;
     double *x; // three arrays of n
-    double error[3];
+    double error[3], size[3];
 } vectors;
 
 typedef struct hull {
@@ -44,7 +42,7 @@ typedef struct part {
     // is free to, rate[d] for the intervals from first[d] on, 0: not known yet.
     bool free[2];
     int first[2];
-    double rate[2][MOST];
+    double rate[2][KN_MEET_MOST];
 } part;
 
 // Restricted to the part's share of one piece, box [lo,hi] in parameters.
@@ -137,7 +135,7 @@ static kn_status plain_column(hull *h, const share *s, int d)
         slope = (kn_largest(dw, less) + 2.0 * degree * p->error[3]) * fabs(scale) / s->middle;
     }
     for (size_t c = 0; c < 3; c++) {
-        double size = kn_largest(v->x + c * less, less);
+        double size = v->size[c] = kn_largest(v->x + c * less, less);
         v->error[c] = (2.0 * degree * p->error[c] * fabs(scale) / s->middle +
                        kn_rounding(8.0) * (size + 2.0 * degree * reach_of(s, c) * fabs(scale))) *
                       (1.0 + s->ratio);
@@ -290,6 +288,7 @@ static kn_status fan_columns(hull *h, const share *s)
         double shift = center[c] * unit * s->middle;
         for (size_t k = 0; k < nx; k++) xc[k] += shift;
         x->error[c] += kn_rounding(4.0) * (fabs(shift) + sizes[0]);
+        x->size[c] = sizes[0] + fabs(shift), y->size[c] = sizes[1];
     }
     return KN_OK;
 }
@@ -362,7 +361,7 @@ static kn_status add_part(hull *h, part *p)
         for (int i = first[d] + 1; i <= last[d] && d < 2; i++) h->jump += c->jump[d][i];
     }
     if (p->pole >= 0 && first[p->pole] != last[p->pole]) h->fits = false;
-    if ((last[0] - first[0] + 1) * (last[1] - first[1] + 1) > MOST) h->fits = false;
+    if ((last[0] - first[0] + 1) * (last[1] - first[1] + 1) > KN_MEET_MOST) h->fits = false;
     h->fits = h->fits && h->jump <= h->m->resolution;
     p->first[0] = first[0], p->first[1] = first[1];
     for (at[0] = first[0]; at[0] <= last[0]; at[0]++)
@@ -437,7 +436,7 @@ static bool holds(const hull *h)
             }
             for (size_t c = 0; c < 3; c++) {
                 error += fabs(a[i][c]) * v->error[c];
-                size += fabs(a[i][c]) * kn_largest(v->x + c * v->n, v->n);
+                size += fabs(a[i][c]) * v->size[c];
             }
             k[i][v->column] = fmax(k[i][v->column],
                                    (most + error) * (1.0 + 0x1p-40) + kn_rounding(8.0) * (size + 1.0));
@@ -477,6 +476,44 @@ static void open_fan(const kn_meet *m, part *p, double y0, double y1, double hal
     p->scale[p->pole] = fabs(p->scale[p->pole]);
 }
 
+// Whether the criterion fails already at the corners and in the middle of H: a guess that spares most of the work. At
+// each end of a variable that may choose its rates the partials are taken in units of their mean.
+static kn_status looks_bent(kn_meet *m, bool *bent, const part *p)
+{
+    double slope[9][9], mean[3][3] = {{0}}, lo[9], hi[9], mid[3][3], a[3][3], k[3][3] = {{0}};
+    const double one[3] = {1.0, 1.0, 1.0};
+    double x[3], point[3];
+    for (int i = 0; i < 9; i++) {
+        for (int d = 0; d < 3; d++)
+            x[d] = i == 8 ? 0.5 * p->lo[d] + 0.5 * p->hi[d] : i >> d & 1 ? p->hi[d] : p->lo[d];
+        kn_status status = kn_meet_point(m, point, slope[i], p->chart, x);
+        if (status != KN_OK) return status;
+        for (int d = 0; d < 3; d++) {
+            const double *s = slope[i] + 3 * d;
+            mean[d][i == 8 ? 2 : i >> d & 1] += sqrt(s[0] * s[0] + s[1] * s[1] + s[2] * s[2]) / (i == 8 ? 1.0 : 4.0);
+        }
+    }
+    for (int e = 0; e < 9; e++) {
+        lo[e] = INFINITY, hi[e] = -INFINITY;
+        for (int i = 0; i < 9; i++) {
+            int d = e / 3, side = i == 8 ? 2 : i >> d & 1;
+            slope[i][e] *= d < 2 && mean[d][side] > 0.0 ? 1.0 / mean[d][side] : 1.0;
+            lo[e] = fmin(lo[e], slope[i][e]), hi[e] = fmax(hi[e], slope[i][e]);
+        }
+        mid[e % 3][e / 3] = 0.5 * lo[e] + 0.5 * hi[e];
+    }
+    *bent = !invert(a, mid);
+    for (int i = 0; i < 9 && !*bent; i++)
+        for (int r = 0; r < 3; r++)
+            for (int d = 0; d < 3; d++) {
+                const double *s = slope[i] + 3 * d;
+                double e = a[r][0] * s[0] + a[r][1] * s[1] + a[r][2] * s[2] - (r == d);
+                k[r][d] = fmax(k[r][d], fabs(e));
+            }
+    *bent = *bent || !majorant(x, k, one);
+    return KN_OK;
+}
+
 static kn_status within(kn_meet *m, bool *injective, const kn_meet_node *a, const kn_meet_node *b)
 {
     part p = {.chart = a->chart, .column = {0, 1, 2}};
@@ -490,7 +527,12 @@ static kn_status within(kn_meet *m, bool *injective, const kn_meet_node *a, cons
     }
     open_fan(m, &p, -1.0, 1.0, 0.5);
     p.free[0] = p.free[1] = p.pole < 0;
-    kn_status status = add_part(&h, &p);
+    bool bent = false;
+    kn_status status = p.pole < 0 ? looks_bent(m, &bent, &p) : KN_OK;
+    if (status == KN_OK && !bent)
+        status = add_part(&h, &p);
+    else
+        h.fits = false;
     if (status == KN_OK && h.fits) *injective = holds(&h);
     return status;
 }

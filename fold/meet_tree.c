@@ -69,36 +69,43 @@ static void corner_slope(double out[3], const double *x, const kn_net *net, int 
     }
 }
 
-// How much the partials change along variable d, relative to the least of each: what keeps T from being certified.
+// How much the partials change along variable d, each relative to itself: what keeps T from being certified. Where one
+// vanishes, at a pole, the change counts 1: it is not one that cutting ends.
 static double bend(const double *x, const kn_net *net, int d)
 {
     double sum = 0.0;
     for (int c = 0; c < 3; c++) {
-        double least = INFINITY, most = 0.0, change = 0.0;
+        double size[8], slope[8][3], most = 0.0, change = 0.0;
         if (net->degree[c] == 0) continue;
-        for (int corner = 0; corner < 8; corner++) {
-            double a[3], b[3], size = 0.0, diff = 0.0;
-            corner_slope(a, x, net, c, corner);
-            corner_slope(b, x, net, c, corner ^ 1 << d);
-            for (int k = 0; k < 3; k++) size += a[k] * a[k], diff += (a[k] - b[k]) * (a[k] - b[k]);
-            least = fmin(least, sqrt(size)), most = fmax(most, sqrt(size)), change = fmax(change, sqrt(diff));
+        for (int i = 0; i < 8; i++) {
+            corner_slope(slope[i], x, net, c, i);
+            size[i] = sqrt(slope[i][0] * slope[i][0] + slope[i][1] * slope[i][1] + slope[i][2] * slope[i][2]);
+            most = fmax(most, size[i]);
         }
-        if (most > 0.0) sum += change / (least + 0.02 * most);
+        for (int i = 0; i < 8; i++) {
+            int j = i ^ 1 << d;
+            double low = fmin(size[i], size[j]), diff = 0.0;
+            if (fmax(size[i], size[j]) <= 1e-6 * most) continue;
+            for (int k = 0; k < 3; k++) diff += (slope[i][k] - slope[j][k]) * (slope[i][k] - slope[j][k]);
+            change = fmax(change, low <= 1e-6 * most ? 1.0 : sqrt(diff) / low);
+        }
+        sum += change;
     }
     return sum;
 }
 
-// The variable to divide: the one along which a single piece bends most, when it bends much, and the longest otherwise.
-static void choose_cut(kn_meet_node *node, const double *x, const kn_net *net)
+// The variable to divide: the one along which T bends most, when it bends at all, and else the longest. bends[d]: of
+// the pieces side by side.
+static void choose_cut(kn_meet_node *node, const double bends[3])
 {
     double most = 0.02;
+    int spans[2] = {node->last[0] - node->first[0] + 1, node->last[1] - node->first[1] + 1};
     node->cut = 0;
     for (int d = 1; d < 3; d++)
         if (node->length[d] > node->length[node->cut]) node->cut = d;
-    for (int d = 0; d < 3 && kn_meet_is_piece(node); d++) {
-        double b = bend(x, net, d);
-        if (b > most && node->length[d] > 0.02 * node->length[node->cut]) most = b, node->cut = d;
-    }
+    for (int d = 0; d < 3; d++)
+        if (bends[d] > most && node->length[d] > 1e-3 * node->length[node->cut]) most = bends[d], node->cut = d;
+    if (spans[0] * spans[1] > KN_MEET_MOST) node->cut = spans[0] >= spans[1] ? 0 : 1;
 }
 
 static kn_status project(kn_meet *m, kn_meet_cloud *all, const kn_meet_patch *p)
@@ -124,11 +131,19 @@ static kn_status project(kn_meet *m, kn_meet_cloud *all, const kn_meet_patch *p)
     return KN_OK;
 }
 
+static void take_longest(double *out, double *bends, const kn_meet_patch *p, const kn_meet_node *node)
+{
+    for (int d = 0; d < 3; d++) {
+        double n = node->last[d] - node->first[d] + 1;
+        out[d] = fmax(out[d], n * measure(p->coef, &p->net, d));
+        bends[d] = fmax(bends[d], n * bend(p->coef, &p->net, d));
+    }
+}
+
 static kn_status gather(kn_meet *m, kn_meet_cloud *all, kn_meet_node *node)
 {
     int at[3];
-    double from[3], to[3];
-    kn_net net = {0};
+    double from[3], to[3], bends[3] = {0.0};
     for (int d = 0; d < 3; d++) node->length[d] = 0.0;
     for (at[0] = node->first[0]; at[0] <= node->last[0]; at[0]++)
         for (at[1] = node->first[1]; at[1] <= node->last[1]; at[1]++)
@@ -137,15 +152,11 @@ static kn_status gather(kn_meet *m, kn_meet_cloud *all, kn_meet_node *node)
                 kn_mark mark = kn_scratch_mark(m->ctx);
                 kn_status status = kn_meet_restrict(m, &p, from, to, node->chart, at, node->lo, node->hi);
                 if (status == KN_OK) status = project(m, all, &p);
-                for (int d = 0; d < 3 && status == KN_OK; d++) {
-                    double length = measure(p.coef, &p.net, d) * (node->last[d] - node->first[d] + 1);
-                    node->length[d] = fmax(node->length[d], length);
-                }
-                net = p.net;
+                if (status == KN_OK) take_longest(node->length, bends, &p, node);
                 kn_scratch_release(m->ctx, mark);
                 if (status != KN_OK) return status;
             }
-    choose_cut(node, all->x, &net);
+    choose_cut(node, bends);
     return KN_OK;
 }
 
