@@ -105,13 +105,13 @@ bool kn_direction_unit(double unit[3], const kn_bezier *direction, const double 
 // ---- regular.c ----
 typedef enum kn_regularity {
     KN_REGULAR,  // the direction vanishes nowhere on [0,1]^2
-    KN_SINGULAR, // it does within 2^-20 of at[2]
+    KN_SINGULAR, // it does, but for rounding, near at[2]
     KN_UNDECIDED // the work ran out at at[2]
 } kn_regularity;
 // *work: what is left of it, in multiply-adds; the first halvings are free.
 kn_status kn_direction_regular(kn_ctx *ctx, kn_regularity *answer, double at[2], const kn_direction *d, double *work);
 // ---- directions.c ----
-#define KN_REGULAR_WORK 2e8 // for a whole surface: some tenths of a second
+#define KN_REGULAR_WORK 1e8 // for a whole surface: some tenths of a second
 // direction[], one for each span; refuses a surface without area or without a normal.
 kn_status kn_shell_make_directions(kn_ctx *ctx, kn_shell *shell);
 // Lowers *max_degree, of n or of m, to what the certificates can multiply.

@@ -8,7 +8,11 @@
 #include <math.h>
 #include <string.h>
 
-enum { DEPTH = 52, FREE = 16 }; // FREE: halvings of each span that do not count as work
+enum {
+    DEPTH = 52,
+    FREE = 16,    // halvings of each span that do not count as work
+    OVERHEAD = 64 // of each other one
+};
 
 // n vanishes nowhere where all its coefficients lie strictly on one side of a plane through the origin.
 static bool one_sided(const double *n, size_t count, double error)
@@ -30,6 +34,7 @@ typedef struct stack {
     size_t size;
     int mu, mv, depth;
     double lo[DEPTH + 1][2], width[2];
+    int var[DEPTH + 1]; // in which a level was halved
     bool second[DEPTH + 1];
 } stack;
 
@@ -38,23 +43,37 @@ static double *top(const stack *s)
     return s->data + (s->depth == 0 ? 0 : (size_t)(2 * s->depth - (s->second[s->depth] ? 0 : 1))) * s->size;
 }
 
+// The variable in which n varies more: the largest step between neighbours times the degree.
+static int steeper(const stack *s)
+{
+    const double *n = top(s);
+    size_t row = (size_t)s->mv + 1;
+    double most[2] = {0.0, 0.0};
+    for (size_t i = 0; i < s->size; i++) {
+        if (i % row > 0) most[1] = fmax(most[1], fabs(n[i] - n[i - 1]));
+        if (i / row % ((size_t)s->mu + 1) > 0) most[0] = fmax(most[0], fabs(n[i] - n[i - row]));
+    }
+    return most[1] * s->mv > most[0] * s->mu;
+}
+
 static void descend(stack *s)
 {
-    int var = s->depth % 2;
+    int var = steeper(s);
     double *first = s->data + (size_t)(2 * s->depth + 1) * s->size;
     if (var == 0) kn_bernstein_split(first, first + s->size, top(s), 3, s->mu, (size_t)s->mv + 1, 0.5);
     if (var == 1) kn_bernstein_split(first, first + s->size, top(s), 3 * ((size_t)s->mu + 1), s->mv, 1, 0.5);
     memcpy(s->lo[s->depth + 1], s->lo[s->depth], sizeof s->lo[0]);
     s->width[var] *= 0.5;
     s->second[++s->depth] = false;
+    s->var[s->depth] = var;
 }
 
 // False when this was the last box.
 static bool advance(stack *s)
 {
-    while (s->depth > 0 && s->second[s->depth]) s->width[--s->depth % 2] *= 2.0;
+    while (s->depth > 0 && s->second[s->depth]) s->width[s->var[s->depth--]] *= 2.0;
     if (s->depth == 0) return false;
-    int var = (s->depth - 1) % 2;
+    int var = s->var[s->depth];
     s->second[s->depth] = true;
     s->lo[s->depth][var] += s->width[var];
     return true;
@@ -85,7 +104,7 @@ kn_status kn_direction_regular(kn_ctx *ctx, kn_regularity *answer, double at[2],
             place(at, &s);
             break;
         }
-        if (splits++ >= FREE) *work -= 0.5 * (double)s.size * (s.depth % 2 == 0 ? s.mu : s.mv);
+        if (splits++ >= FREE) *work -= OVERHEAD + 0.25 * (double)s.size * (s.mu + s.mv);
         descend(&s);
     }
     kn_scratch_release(ctx, mark);
