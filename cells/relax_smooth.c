@@ -133,11 +133,34 @@ static kn_status all_lines(kn_ctx *ctx, kn_spline *map, const kn_corner_grid *g,
     return status;
 }
 
-static kn_status by_corners(kn_ctx *ctx, kn_spline *map, const kn_corner_grid *g, const double *corners, bool net)
+// coef, an array for u and one for v: values, point after point, which are control points already along a net, are
+// interpolated along the other variable, line by line.
+static kn_status by_lines(kn_ctx *ctx, double *coef, const double *values, const axis axes[2], int along)
+{
+    const axis *a = &axes[along];
+    size_t across = (size_t)axes[1 - along].count, n = (size_t)a->count * across;
+    size_t step = along == 0 ? across : 1, next = along == 0 ? 1 : (size_t)a->count;
+    double *line = kn_scratch(ctx, (size_t)a->count, 2 * sizeof *line);
+    kn_spline curve = {0};
+    kn_status status = line ? KN_OK : KN_ENOMEM;
+    for (size_t k = 0; k < across && status == KN_OK; k++) {
+        for (size_t i = 0; i < (size_t)a->count; i++)
+            for (size_t c = 0; c < 2; c++) line[2 * i + c] = values[2 * (k * next + i * step) + c];
+        status = kn_fit_interpolate(ctx, &curve, 1, 2, (const int[]){3}, &a->count, (const double *const[]){a->knots},
+                                    (const double *const[]){a->site}, line);
+        for (size_t i = 0; status == KN_OK && i < (size_t)a->count; i++)
+            for (size_t c = 0; c < 2; c++) coef[c * n + k * next + i * step] = curve.coef[c * (size_t)a->count + i];
+    }
+    kn_spline_clear(ctx, &curve);
+    return status;
+}
+
+static kn_status by_corners(kn_ctx *ctx, kn_spline *map, const kn_corner_grid *g, const double *corners,
+                            const bool net[2])
 {
     axis a[2];
     for (int d = 0; d < 2; d++) {
-        kn_status status = axis_init(ctx, &a[d], g, d, net);
+        kn_status status = axis_init(ctx, &a[d], g, d, net[d]);
         if (status != KN_OK) return status;
     }
     size_t n = (size_t)a[0].count * (size_t)a[1].count;
@@ -149,8 +172,11 @@ static kn_status by_corners(kn_ctx *ctx, kn_spline *map, const kn_corner_grid *g
     const double lo[2] = {0.0, 0.0}, hi[2] = {g->n[0], g->n[1]};
     for (size_t k = 0; k < 2 * n; k++) coef[k % 2 * n + k / 2] = values[k];
     kn_spline made = {0};
-    kn_status status = net ? kn_spline_init(ctx, &made, 2, 2, false, degree, count, on, coef)
-                           : kn_fit_interpolate(ctx, &made, 2, 2, degree, count, on, at, values);
+    kn_status status = KN_OK;
+    if (net[0] != net[1]) status = by_lines(ctx, coef, values, a, net[0] ? 1 : 0);
+    if (status == KN_OK)
+        status = net[0] || net[1] ? kn_spline_init(ctx, &made, 2, 2, false, degree, count, on, coef)
+                                  : kn_fit_interpolate(ctx, &made, 2, 2, degree, count, on, at, values);
     if (status == KN_OK) kn_spline_swap(map, &made);
     kn_spline_clear(ctx, &made);
     if (status == KN_OK && (a[0].wrap > 0 || a[1].wrap > 0)) status = kn_spline_restrict(ctx, map, map, lo, hi);
@@ -223,8 +249,9 @@ kn_status kn_relax_smooth(kn_ctx *ctx, kn_spline *map, const kn_corner_grid *g, 
     // What is tried, in turn: how far corners go from the start, and whether they make control points.
     static const struct {
         double part;
-        bool net;
-    } tries[] = {{1.0, false}, {1.0, true}, {0.5, false}, {0.0, false}, {0.5, true}, {0.0, true}};
+        bool net[2];
+    } tries[] = {{1.0, {false, false}}, {1.0, {false, true}}, {1.0, {true, false}}, {1.0, {true, true}},
+                 {0.5, {false, false}}, {0.0, {false, true}}, {0.0, {true, false}}, {0.0, {true, true}}};
     size_t n = 2 * kn_corner_count(g);
     kn_mark mark = kn_scratch_mark(ctx);
     double *corners = kn_scratch(ctx, n, sizeof *corners);
