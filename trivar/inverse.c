@@ -159,7 +159,7 @@ static kn_status bricks_of_volume(kn_ctx *ctx, bricks *b, kn_net *net, const kn_
     }
     kn_status status = take_room(ctx, b, net);
     if (status == KN_OK) status = kn_spline_to_bezier(ctx, &piece, &npieces, volume);
-    for (size_t i = 0; i < npieces; i++) {
+    for (size_t i = 0; i < npieces && status == KN_OK && b->coef; i++) {
         memcpy(b->coef + i * b->size, piece[i].coef, b->size * sizeof *b->coef);
         for (size_t c = 0; c < (size_t)net->ncomp; c++)
             b->error[i * (size_t)net->ncomp + c] = kn_rounding(steps) * kn_largest(volume->coef + c * n, n);

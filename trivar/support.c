@@ -311,7 +311,7 @@ kn_status kn_shell_support(kn_ctx *ctx, kn_support **supports, size_t *n, bool *
     join_poles(&l, npoles, inverse);
     join_touching(&l, npoles, curve, inverse);
     join_seams(&l, inverse);
-    qsort(l.item, l.n, sizeof *l.item, by_height);
+    if (l.n > 1) qsort(l.item, l.n, sizeof *l.item, by_height);
     *supports = l.item;
     *n = l.n;
     *complete = all;
