@@ -25,9 +25,6 @@ void kn_cells_gauss(double *x, double *w, int m);
 // parts[i] >= 1 of spans, in proportion to sums[i + 1] - sums[i] >= 0, `count` >= spans together.
 void kn_cells_share(int *parts, const double *sums, int spans, int count);
 
-// length[i] = the length of S along var at the other parameter at[i].
-kn_status kn_cells_lengths(kn_ctx *ctx, double *length, const kn_spline *surface, int var, const double *at, int n);
-
 // The distinct knots of variable var, *n of them, in scratch; NULL: no memory.
 double *kn_cells_breaks(kn_ctx *ctx, int *n, const kn_spline *surface, int var);
 

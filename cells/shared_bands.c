@@ -16,26 +16,57 @@ typedef struct bands {
     double **lines;       // of each member: rows + 1
     double *wanted;       // cells of each row, n x rows, in the direction of a member that is not reversed
     double *least, *most; // of the band at hand, for each member
+    double **share;       // of each knot span of variable 0 in a member's lengths
+    double *length;       // room for the lengths of spans
     int *first;           // the first row of each band
     int nbands;
 } bands;
 
-// The mean over variable 0 of the lengths along variable 1, of all members.
-static kn_status count_rows(kn_ctx *ctx, bands *b)
+static kn_status length_at(kn_ctx *ctx, double *sum, double *length, const kn_spline *s, int var, double at)
 {
-    enum { CURVES = 9 };
-    double sum = 0.0, at[CURVES], length[CURVES], lo, hi;
-    int spans = 1;
+    kn_status status = kn_cells_span_lengths(ctx, length, s, var, at);
+    *sum = 0.0;
+    for (int i = 0; status == KN_OK && i < kn_spline_spans(s, var); i++) *sum += length[i];
+    return status;
+}
+
+static kn_status make_room(kn_ctx *ctx, bands *b)
+{
+    int most = 1;
     for (int m = 0; m < b->n; m++) {
         const kn_spline *s = b->along[m].surface;
         if (b->along[m].var != 1) return kn_fail(ctx, KN_EDOMAIN, "bands: variable %d", b->along[m].var);
         kn_status status = kn_cells_expect(ctx, "bands", s);
         if (status != KN_OK) return status;
+        for (int v = 0; v < 2; v++) most = kn_spline_spans(s, v) > most ? kn_spline_spans(s, v) : most;
+    }
+    size_t n = (size_t)b->n;
+    b->length = kn_scratch(ctx, (size_t)most, sizeof *b->length);
+    b->share = kn_scratch(ctx, n, sizeof *b->share);
+    b->least = kn_scratch(ctx, n, sizeof *b->least);
+    b->most = kn_scratch(ctx, n, sizeof *b->most);
+    bool room = b->length && b->share && b->least && b->most;
+    for (int m = 0; room && m < b->n; m++) {
+        b->share[m] = kn_scratch(ctx, (size_t)kn_spline_spans(b->along[m].surface, 0), sizeof **b->share);
+        room = b->share[m];
+    }
+    return room ? KN_OK : KN_ENOMEM;
+}
+
+// The mean over variable 0 of the lengths along variable 1, of all members.
+static kn_status count_rows(kn_ctx *ctx, bands *b)
+{
+    enum { CURVES = 9 };
+    double sum = 0.0, length, lo, hi;
+    int spans = 1;
+    for (int m = 0; m < b->n; m++) {
+        const kn_spline *s = b->along[m].surface;
         kn_spline_domain(s, 0, &lo, &hi);
-        for (int i = 0; i < CURVES; i++) at[i] = lo + (hi - lo) * ((i + 0.5) / CURVES);
-        status = kn_cells_lengths(ctx, length, s, 1, at, CURVES);
-        if (status != KN_OK) return status;
-        for (int i = 0; i < CURVES; i++) sum += length[i] / CURVES / b->n;
+        for (int i = 0; i < CURVES; i++) {
+            kn_status status = length_at(ctx, &length, b->length, s, 1, lo + (hi - lo) * ((i + 0.5) / CURVES));
+            if (status != KN_OK) return status;
+            sum += length / CURVES / b->n;
+        }
         spans = kn_spline_spans(s, 1) > spans ? kn_spline_spans(s, 1) : spans;
     }
     double rows = fmax(spans, round(sum / b->size[1]));
@@ -50,23 +81,29 @@ static kn_status count_columns(kn_ctx *ctx, bands *b)
 {
     for (int m = 0; m < b->n; m++) {
         const kn_spline *s = b->along[m].surface;
-        double least = kn_spline_spans(s, 0), length;
+        int spans = kn_spline_spans(s, 0);
+        double length, all = 0.0;
+        for (int i = 0; i < spans; i++) b->share[m][i] = 0.0;
         for (int r = 0; r < b->rows; r++) {
-            double at = 0.5 * (b->lines[m][r] + b->lines[m][r + 1]);
-            kn_status status = kn_cells_lengths(ctx, &length, s, 0, &at, 1);
+            kn_status status = length_at(ctx, &length, b->length, s, 0, 0.5 * (b->lines[m][r] + b->lines[m][r + 1]));
             if (status != KN_OK) return status;
-            double cells = fmax(least, length / b->size[0]);
+            for (int i = 0; i < spans; i++) b->share[m][i] += b->length[i];
+            all += length;
+            double cells = fmax(spans, length / b->size[0]);
             if (!(cells <= most_cells))
                 return kn_fail(ctx, KN_ELIMIT, "bands: %g cells of width %g, at most %g", cells, b->size[0],
                                most_cells);
             b->wanted[m * b->rows + (b->along[m].reversed ? b->rows - 1 - r : r)] = cells;
         }
+        for (int i = 0; i < spans; i++) b->share[m][i] = all > 0.0 ? b->share[m][i] / all : 1.0 / spans;
         kn_status status = kn_progress(ctx, "bands", (m + 1.0) / b->n);
         if (status != KN_OK) return status;
     }
     return KN_OK;
 }
 
+// The nearest count to the geometric mean; where it is within 15 % the sum of the nearest counts of all knot spans, so
+// that their cells are as wide.
 static int band_count(const bands *b, int m, int first, int end)
 {
     double least = INFINITY, most = 0.0;
@@ -74,7 +111,9 @@ static int band_count(const bands *b, int m, int first, int end)
         least = fmin(least, b->wanted[m * b->rows + r]);
         most = fmax(most, b->wanted[m * b->rows + r]);
     }
-    return (int)round(sqrt(least * most));
+    double count = sqrt(least * most), sum = 0.0;
+    for (int i = 0; i < kn_spline_spans(b->along[m].surface, 0); i++) sum += fmax(1.0, round(count * b->share[m][i]));
+    return (int)(fabs(sum - count) <= 0.15 * count ? sum : round(count));
 }
 
 // Takes row r into each member's range; false: one of them would be too wide.
@@ -127,14 +166,13 @@ static kn_cells_band *write_bands(kn_ctx *ctx, const bands *b)
 
 static kn_status find_bands(kn_ctx *ctx, bands *b)
 {
-    kn_status status = count_rows(ctx, b);
+    kn_status status = make_room(ctx, b);
+    if (status == KN_OK) status = count_rows(ctx, b);
     if (status == KN_OK) status = kn_cells_shared_lines(ctx, b->lines, b->along, b->n, b->rows);
     if (status != KN_OK) return status;
     b->wanted = kn_scratch(ctx, (size_t)b->n * (size_t)b->rows, sizeof *b->wanted);
     b->first = kn_scratch(ctx, (size_t)b->rows, sizeof *b->first);
-    b->least = kn_scratch(ctx, (size_t)b->n, sizeof *b->least);
-    b->most = kn_scratch(ctx, (size_t)b->n, sizeof *b->most);
-    status = b->wanted && b->first && b->least && b->most ? count_columns(ctx, b) : KN_ENOMEM;
+    status = b->wanted && b->first ? count_columns(ctx, b) : KN_ENOMEM;
     if (status == KN_OK) cut(b);
     return status;
 }

@@ -188,6 +188,8 @@ kn_status kn_job_counts(kn_ctx *ctx, int (*counts)[2], const kn_job *job, const 
                         const kn_job_measure *measures, const kn_job_class *classes);
 
 // ---- job_lines.c ----
+// Whether lines of variable `along` are to be at equal steps of length.
+bool kn_job_is_even(const kn_job *job, int along);
 // job->surfaces' lines and knot flags, from their counts of cells: the options' spacing, even lines for each class.
 kn_status kn_job_make_lines(kn_ctx *ctx, kn_job *job, const kn_spline *surfaces, const kn_job_class *classes);
 // job->report.spread, of the lines that are there.

@@ -18,7 +18,7 @@ static kn_status find_knots(kn_ctx *ctx, bool **out, const double *lines, int co
     return KN_OK;
 }
 
-static bool even(const kn_job *job, int along)
+bool kn_job_is_even(const kn_job *job, int along)
 {
     const kn_job_options *o = &job->options;
     return o->spacing == KN_CELLS_EVEN || o->spacing == KN_CELLS_FREE || // free corners start there
@@ -28,7 +28,7 @@ static bool even(const kn_job *job, int along)
 static bool together(const kn_job *job, const kn_job_class *classes, int a, int b)
 {
     return classes[a].id == classes[b].id && job->surfaces[a / 2].cells[a % 2] == job->surfaces[b / 2].cells[b % 2] &&
-           even(job, a % 2) && even(job, b % 2);
+           kn_job_is_even(job, a % 2) && kn_job_is_even(job, b % 2);
 }
 
 // Direction `first` (2 surface + variable) and all later ones of its class that have as many cells. Where a class
@@ -64,7 +64,7 @@ kn_status kn_job_make_lines(kn_ctx *ctx, kn_job *job, const kn_spline *surfaces,
     for (int m = 0; status == KN_OK && m < 2 * job->nsurfaces; m++) {
         kn_job_surface *s = &job->surfaces[m / 2];
         double **lines = &s->lines[m % 2];
-        if (!even(job, m % 2))
+        if (!kn_job_is_even(job, m % 2))
             status = kn_cells_uniform_lines(ctx, lines, &surfaces[m / 2], m % 2, s->cells[m % 2]);
         else if (!*lines)
             status = place_class(ctx, job, surfaces, classes, m);

@@ -45,6 +45,12 @@ KN_API KN_CHECKED kn_status kn_cells_measure(kn_ctx *ctx, kn_cells_spread *out, 
 KN_API KN_CHECKED kn_status kn_cells_measure_all(kn_ctx *ctx, kn_cells_spread *out, const kn_cells_grid *grids,
                                                  int ngrids);
 
+// length[i], for each knot span of var: of the curve of S along var at the other parameter.
+// fails:  KN_EDOMAIN var, at.
+// error:  that of Gauss's rule of 8 points on quarters of spans. cost: 32 values a span.
+KN_API KN_CHECKED kn_status kn_cells_span_lengths(kn_ctx *ctx, double *length, const kn_spline *surface, int var,
+                                                  double at);
+
 // ---- lines of one variable: a cell stays a rectangle of (u,v), so no degree grows ----
 
 // *lines, count + 1 of them for kn_free: from one end of the domain to the other, all knots of S among them. A knot
@@ -86,8 +92,9 @@ typedef struct kn_cells_band {
 } kn_cells_band;
 // *bands, *nbands of them for kn_free, from one end of variable 1 to the other: cells near size[0] x size[1]. Rows are
 // those of kn_cells_even_lines; in a band the lengths of rows along variable 0 differ by at most a factor 3/2, and its
-// count is the nearest to their geometric mean over size[0], so that widths are within 1.23 of size[0], but for the
-// rounding of small counts, and where knot spans ask for more cells. At the border of two bands cells do not meet:
+// count is the nearest to their geometric mean over size[0], or up to 15 % off where that suits the knot spans, so that
+// widths are within 1.23 (1.42) of size[0], but for the rounding of small counts and where knot spans ask for more
+// cells. At the border of two bands cells do not meet:
 // tiles end there.
 // in:     sizes positive and finite.
 // fails:  KN_EDOMAIN sizes; KN_ELIMIT more than 65536 cells each way; and as kn_cells_even_lines.

@@ -174,8 +174,9 @@ typedef enum kn_job_side {
 // Zero means the default in every field.
 typedef struct kn_job_options {
     int count[2];   // cells over each surface's domain in u and in v, at most 65536; 0: from size
-    double size[2]; // wanted cell size, length units; the nearest count is taken (but no fewer than knot spans),
-                    // equal on edges that surfaces share. One given: for both. None: 1/20 of the base's diagonal
+    double size[2]; // wanted cell size, length units; the nearest count is taken (but no fewer than knot spans, and
+                    // for even lines up to 15 % off where that suits all spans), equal on edges that surfaces share.
+                    // One given: for both. None: 1/20 of the base's diagonal
     // Of w = 1 above the base, negative below; 0: the tile's aspect times the mean cell size. In length units, or what
     // thickness and direction make of it. Over a volume it is a fraction: 0 stands for 1, from one face to the other.
     double height;

@@ -110,6 +110,32 @@ static void several_surfaces(void **state)
     test_ctx_end(ctx, &memory);
 }
 
+// Quarters of a circle of radius 3 + cos, by the rule; and polygons exactly.
+static void spans(void **state)
+{
+    (void)state;
+    test_memory memory = TEST_MEMORY_INIT;
+    kn_ctx *ctx = test_ctx(&memory, 1);
+    kn_spline s = {0};
+    double length[4] = {-1, -1, -1, -1};
+    static const double at[] = {0.5};
+    quarter_torus(ctx, &s);
+    assert_int_equal(kn_spline_insert_knots(ctx, &s, &s, 0, at, 1), KN_OK);
+    assert_int_equal(kn_cells_span_lengths(ctx, length, &s, 0, 0.3), KN_OK);
+    double radius = 3 + cos(angle(0.3));
+    assert_true(fabs(length[0] - radius * angle(0.5)) <= 1e-12);
+    assert_true(fabs(length[1] - radius * (acos(-1) / 2 - angle(0.5))) <= 1e-12);
+    assert_int_equal(kn_cells_span_lengths(ctx, length, &s, 1, 0.7), KN_OK);
+    assert_true(fabs(length[0] - acos(-1) / 2) <= 1e-12 && length[2] == -1);
+    double before = length[0];
+    assert_int_equal(kn_cells_span_lengths(ctx, length, &s, 2, 0), KN_EDOMAIN);
+    kn_ctx_clear_error(ctx);
+    assert_int_equal(kn_cells_span_lengths(ctx, length, &s, 0, NAN), KN_EDOMAIN);
+    assert_true(length[0] == before);
+    kn_spline_clear(ctx, &s);
+    test_ctx_end(ctx, &memory);
+}
+
 static void failures(void **state)
 {
     (void)state;
@@ -153,7 +179,10 @@ static kn_status measure_torus(kn_ctx *ctx, void *user)
     static const double square[12] = {0, 0, 2, 2, 0, 2, 0, 2};
     status = kn_spline_init(ctx, &s, 2, 3, false, (const int[]){1, 1}, (const int[]){2, 2}, both, square);
     if (status == KN_OK) {
-        status = kn_cells_measure(ctx, &out, &s, NULL, NULL);
+        double length = -1;
+        status = kn_cells_span_lengths(ctx, &length, &s, 0, 0.5);
+        assert_true((status == KN_OK) == (length != -1));
+        if (status == KN_OK) status = kn_cells_measure(ctx, &out, &s, NULL, NULL);
         assert_true((status == KN_OK) == (out.cells != 77));
     }
     kn_spline_clear(ctx, &s);
@@ -169,6 +198,7 @@ static void allocation(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {cmocka_unit_test(a_torus), cmocka_unit_test(several_surfaces),
-                                       cmocka_unit_test(failures), cmocka_unit_test(allocation)};
+                                       cmocka_unit_test(spans), cmocka_unit_test(failures),
+                                       cmocka_unit_test(allocation)};
     return cmocka_run_group_tests_name("cells/measure", tests, NULL, NULL);
 }

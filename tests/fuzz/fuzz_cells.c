@@ -73,6 +73,9 @@ static kn_status sizes(feed *f, int call, const kn_spline s[2])
     for (int g = 0; g < 2; g++)
         for (int d = 0; d < 2; d++)
             if (feed_byte(f) % 2) grids[g].lines[d] = make_lines(f, &grids[g].nlines[d]);
+    int var = feed_wild(f, 0, 1), spans = var == 0 || var == 1 ? kn_spline_spans(&s[0], var) : 0;
+    feed_any(kn_cells_span_lengths(f->ctx, feed_room(f, (size_t)spans), &s[0], var, feed_number(f)));
+    kn_ctx_clear_error(f->ctx);
     if (call == 0) return kn_cells_measure(f->ctx, &spread, &s[0], grids[0].lines, grids[0].nlines);
     kn_status status = kn_cells_measure_all(f->ctx, &spread, grids, feed_count(f, 1, 2));
     if (status == KN_OK && !(spread.area.min <= spread.area.max)) abort();
