@@ -5,11 +5,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { COLOR = CLI_JOB_OPTIONS, WORK, OUTPUT, HELP, END };
+enum { COLOR = CLI_JOB_OPTIONS, PIXELS, WORK, OUTPUT, HELP, END };
 static const cli_option options[END - CLI_JOB_OPTIONS] = {
-    [COLOR - CLI_JOB_OPTIONS] = {"color", 0, true},
-    [WORK - CLI_JOB_OPTIONS] = {"work", 0, true},
-    [OUTPUT - CLI_JOB_OPTIONS] = {"output", 'o', true},
+    [COLOR - CLI_JOB_OPTIONS] = {"color", 0, true},  [PIXELS - CLI_JOB_OPTIONS] = {"pixels", 0, true},
+    [WORK - CLI_JOB_OPTIONS] = {"work", 0, true},    [OUTPUT - CLI_JOB_OPTIONS] = {"output", 'o', true},
     [HELP - CLI_JOB_OPTIONS] = {"help", 'h', false},
 };
 
@@ -38,6 +37,7 @@ static bool set_option(check *c, int option, const char *value)
     if (option < CLI_JOB_OPTIONS) return cli_job_set(&c->job, option, value);
     switch (option) {
     case COLOR: return set_color(c, value);
+    case PIXELS: return cli_int_pair("--pixels", value, 160, 8192, c->pixels);
     case WORK:
         if (!cli_int("--work", value, 1, 2000000000, &work)) return false;
         c->work = (size_t)work;
@@ -141,7 +141,7 @@ static int examine(cli_session *session, check *c)
 
 int cli_command_check(int argc, char **argv)
 {
-    check c = {.job = cli_job_defaults(), .work = CHECK_WORK};
+    check c = {.job = cli_job_defaults(), .work = CHECK_WORK, .pixels = {1600, 1200}};
     int code = read_arguments(&c, argc, argv);
     if (code == EXIT_OK) code = check_arguments(&c);
     if (code != EXIT_OK) return code < 0 ? EXIT_OK : code;

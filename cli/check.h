@@ -44,6 +44,7 @@ typedef struct check {
     const char *outputs[16];
     int noutputs;
     bool by_jacobian; // what the picture shows
+    int pixels[2];
     size_t work;
     cli_base base;
     kn_tile tile;

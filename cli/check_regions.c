@@ -83,23 +83,23 @@ static void add_wrapped(boxes *all, const check_box *b)
         }
 }
 
-// w in [0,1] of the tile goes to the range, where it is as high as the job asks.
-static check_box box_of(const kn_bezier *patch, const double range[2], bool downwards)
+// What a patch occupies, where w in [0,1] of the tile goes to the range. Control points may lie far outside of it: the
+// boxes of its parts do not.
+static kn_status box_of(kn_ctx *ctx, check_box *out, const kn_bezier *patch, const double range[2], bool downwards)
 {
-    check_box b;
-    size_t n = kn_bezier_count(patch);
-    for (int d = 0; d < 3; d++) {
-        const double *x = patch->coef + (size_t)d * n;
-        b.lo[d] = b.hi[d] = x[0];
-        for (size_t i = 1; i < n; i++) {
-            b.lo[d] = fmin(b.lo[d], x[i]);
-            b.hi[d] = fmax(b.hi[d], x[i]);
-        }
+    enum { PARTS = 8 };
+    kn_status status = KN_OK;
+    for (int k = 0; k < PARTS * PARTS && status == KN_OK; k++) {
+        const double at[2] = {(double)(k / PARTS) / PARTS, (double)(k % PARTS) / PARTS};
+        const double to[2] = {at[0] + 1.0 / PARTS, at[1] + 1.0 / PARTS};
+        check_box b;
+        status = kn_bezier_box(ctx, b.lo, b.hi, patch, at, to);
+        if (status == KN_OK) *out = k ? both(out, &b) : b;
     }
-    double w[2] = {b.lo[2], b.hi[2]}, size = range[1] - range[0];
-    b.lo[2] = downwards ? range[1] - w[1] * size : range[0] + w[0] * size;
-    b.hi[2] = downwards ? range[1] - w[0] * size : range[0] + w[1] * size;
-    return b;
+    double w[2] = {out->lo[2], out->hi[2]}, size = range[1] - range[0];
+    out->lo[2] = downwards ? range[1] - w[1] * size : range[0] + w[0] * size;
+    out->hi[2] = downwards ? range[1] - w[0] * size : range[0] + w[1] * size;
+    return status;
 }
 
 static kn_status add_surface(kn_ctx *ctx, boxes *all, const check *c, const kn_spline *surface)
@@ -112,9 +112,10 @@ static kn_status add_surface(kn_ctx *ctx, boxes *all, const check *c, const kn_s
     cli_job_range(&c->job, range);
     kn_status status = kn_spline_to_bezier(ctx, &pieces, &n, surface);
     for (size_t i = 0; i < n; i++) {
-        check_box b = box_of(&pieces[i], range, downwards);
+        check_box b = {0};
+        if (status == KN_OK) status = box_of(ctx, &b, &pieces[i], range, downwards);
         all->height = fmax(all->height, fmax(fabs(b.lo[2]), fabs(b.hi[2])));
-        add_wrapped(all, &b);
+        if (status == KN_OK) add_wrapped(all, &b);
         kn_bezier_clear(ctx, &pieces[i]);
     }
     kn_free(ctx, pieces);

@@ -303,17 +303,18 @@ static kn_status draw_legend(kn_ctx *ctx, const check *c, uint8_t *rgb, int widt
 
 static kn_status write_picture(kn_ctx *ctx, const check *c, const kn_scene *scene, const char *path)
 {
-    enum { WIDTH = 1600, HEIGHT = 1200, BAND = 156 };
-    uint8_t *rgb = malloc((size_t)WIDTH * HEIGHT * 3);
+    const int width = c->pixels[0], height = c->pixels[1], band = width * 156 / 1600;
+    const int top = height > 2 * band ? height - band : height / 2;
+    uint8_t *rgb = malloc((size_t)width * (size_t)height * 3);
     if (!rgb) return KN_ENOMEM;
     kn_render_options o = kn_render_defaults();
-    o.width = WIDTH;
-    o.height = HEIGHT - BAND;
+    o.width = width;
+    o.height = top;
     o.samples = 12; // nothing glitters
     o.exposure = 0.35;
     kn_status status = kn_render(ctx, rgb, scene, &o);
-    if (status == KN_OK) status = draw_legend(ctx, c, rgb + (size_t)WIDTH * (HEIGHT - BAND) * 3, WIDTH, BAND);
-    if (status == KN_OK) status = kn_png_write(ctx, path, rgb, WIDTH, HEIGHT, 3);
+    if (status == KN_OK) status = draw_legend(ctx, c, rgb + (size_t)width * (size_t)top * 3, width, height - top);
+    if (status == KN_OK) status = kn_png_write(ctx, path, rgb, width, height, 3);
     free(rgb);
     return status;
 }

@@ -1,0 +1,379 @@
+// SPDX-License-Identifier: Apache-2.0
+// knurl check: exit codes, JSON against closed forms, pictures and scenes, what is refused.
+#include "tests/cli/command.h"
+
+#include <math.h>
+#include <signal.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <time.h>
+#include <unistd.h>
+
+#include <knurl/knurl.h>
+
+#if KN_WITH_TINYGLTF
+#include "bridges/tinygltf/gltf.h"
+#endif
+
+// ---- bases ----
+
+static const double origin[3] = {0, 0, 0}, z_axis[3] = {0, 0, 1};
+
+static void write_torus(char path[PATH_BYTES])
+{
+    test_memory memory = TEST_MEMORY_INIT;
+    kn_ctx *ctx = test_ctx(&memory, 1);
+    kn_spline s = {0};
+    assert_int_equal(kn_construct_torus(ctx, &s, origin, z_axis, 3, 1), KN_OK);
+    test_tmp_path(path, "torus.g2");
+    write_g2(path, &s);
+    kn_spline_clear(ctx, &s);
+    test_ctx_end(ctx, &memory);
+}
+
+// Unit squares: one looks up at z = 0, the other down at z = 1, with u the other way round, both over [0,1]^2.
+static const char facing[] = "200 1 0 0\n3 0\n2 2\n0 0 1 1\n2 2\n0 0 1 1\n0 0 0\n1 0 0\n0 1 0\n1 1 0\n"
+                             "200 1 0 0\n3 0\n2 2\n0 0 1 1\n2 2\n0 0 1 1\n1 0 1\n0 0 1\n1 1 1\n0 1 1\n";
+
+static json_t *get(const json_t *o, const char *key)
+{
+    json_t *value = json_object_get(o, key);
+    assert_non_null(value);
+    return value;
+}
+
+static double number(const json_t *o, const char *key)
+{
+    assert_true(json_is_number(get(o, key)));
+    return json_number_value(get(o, key));
+}
+
+static double element(const json_t *o, const char *key, size_t i)
+{
+    return json_number_value(json_array_get(get(o, key), i));
+}
+
+static const char *verdict(const json_t *o)
+{
+    return json_string_value(get(o, "verdict"));
+}
+
+// The contract: a bound below the truth, and within 1 % of it; the last digits that are printed lie outwards.
+static void assert_safe(double bound, double truth)
+{
+    assert_true(bound <= truth && bound >= 0.99 * truth - 1e-5);
+}
+
+// ---- closed forms ----
+
+// Above a torus of radii 3 and 1 the inner circle comes to the axis at 3 - 1, below all of it to its own circle at 1.
+static void safe_heights_of_a_torus(void **state)
+{
+    (void)state;
+    char path[PATH_BYTES];
+    write_torus(path);
+    assert_int_equal(run("check '%s' --height 0.5 --side both --json --work 1", path),
+                     4); // nothing global is certified
+    json_t *r = printed_json();
+    assert_safe(number(get(r, "safe_height"), "above"), 2);
+    assert_safe(number(get(r, "safe_height"), "below"), 1);
+    assert_string_equal(verdict(get(r, "jacobian")), "positive");
+    assert_true(number(get(r, "jacobian"), "min") > 0);
+    assert_true(element(r, "range", 0) == -0.5 && element(r, "range", 1) == 0.5);
+    assert_int_equal(number(r, "folding_cells"), 0);
+    assert_string_equal(verdict(json_array_get(get(r, "global"), 0)), "undecided");
+    assert_true(json_is_false(get(r, "passed")));
+
+    // The worst cells come first: on both sides the limit below is nearer, and where it is the point lies on the torus.
+    json_t *worst = json_array_get(get(r, "local"), 0);
+    assert_int_equal(number(worst, "surface"), 0);
+    assert_safe(number(worst, "safe_below"), 1);
+    double x = element(worst, "point", 0), y = element(worst, "point", 1), z = element(worst, "point", 2);
+    assert_true(fabs(hypot(hypot(x, y) - 3, z) - 1) < 1e-9); // printed with twelve digits
+    json_decref(r);
+}
+
+static void too_deep_is_4_and_says_what_to_do(void **state)
+{
+    (void)state;
+    char path[PATH_BYTES];
+    write_torus(path);
+    assert_int_equal(run("check '%s' --height -1.5 --work 1 --json", path), 4);
+    json_t *r = printed_json();
+    assert_string_equal(verdict(get(r, "jacobian")), "mixed");
+    assert_true(number(get(r, "jacobian"), "min") < 0);
+    assert_int_equal(number(r, "folding_cells"), 16);
+    assert_true(json_is_true(get(json_array_get(get(r, "local"), 0), "folds")));
+    json_decref(r);
+
+    assert_int_equal(run("check '%s' --height -1.5 --work 1", path), 4);
+    assert_non_null(strstr(printed, "folds: yes"));
+    assert_non_null(strstr(printed, "16 of 16 cells fold"));
+    assert_non_null(strstr(printed, "lower the texture to 0.99"));
+    assert_non_null(strstr(printed, "--side above"));
+    assert_int_equal(run("check '%s' --height -1.5 --work 1 -q", path), 4);
+    assert_string_equal(printed, "");
+}
+
+// Both rise towards each other over a gap of 1: they meet where their heights sum to 1.
+static void sheets_that_face_each_other(void **state)
+{
+    (void)state;
+    char path[PATH_BYTES];
+    test_tmp_path(path, "facing.g2");
+    write_text(path, facing);
+    assert_int_equal(run("check '%s' --height 0.4 --json", path), 0);
+    json_t *r = printed_json();
+    assert_true(json_is_true(get(r, "passed")));
+    assert_string_equal(verdict(json_array_get(get(r, "global"), 0)), "none");
+    json_decref(r);
+
+    assert_int_equal(run("check '%s' --height 0.6 --json", path), 4);
+    r = printed_json();
+    json_t *found = json_array_get(get(r, "global"), 0), *a = get(found, "a"), *b = get(found, "b");
+    assert_string_equal(verdict(found), "found");
+    assert_true(number(found, "gap") < 1e-9);
+    assert_int_equal(number(a, "surface") + number(b, "surface"), 1);
+    double up = number(a, "surface") == 0 ? element(a, "lo", 2) : element(b, "lo", 2);
+    double down = number(a, "surface") == 0 ? element(b, "lo", 2) : element(a, "lo", 2);
+    assert_true(fabs(up + down - 1) < 1e-9); // a witness is good to 1e-10 of the size, printed with twelve digits
+    assert_true(fabs(element(found, "point", 2) - up) < 1e-9);
+    json_decref(r);
+    assert_int_equal(run("check '%s' --height 0.6", path), 4);
+    assert_non_null(strstr(printed, "meets itself: yes"));
+    assert_int_equal(run("check '%s' --height 4mm --unit cm", path), 0); // 0.4
+    assert_int_equal(run("check '%s' --height 6mm --unit cm", path), 4);
+}
+
+// A tile that stands in one corner of its cell: on the two sheets these corners do not face each other.
+static void only_the_region_of_the_tile_counts(void **state)
+{
+    (void)state;
+    char path[PATH_BYTES], tile[PATH_BYTES];
+    test_tmp_path(path, "facing.g2");
+    test_tmp_path(tile, "corner.g2");
+    write_text(path, facing);
+    write_text(tile, "200 1 0 0\n3 0\n2 2\n0 0 1 1\n2 2\n0 0 1 1\n0.1 0.1 0\n0.3 0.1 1\n0.1 0.3 0\n0.3 0.3 1\n");
+    assert_int_equal(run("check '%s' --tile '%s' --count 1 --height 0.8", path, tile), 0);
+    assert_int_equal(run("check '%s' --tile '%s' --count 2 --height 0.8", path, tile), 0);
+    assert_int_equal(run("check '%s' --height 0.8", path), 4);
+    // In a cell that is the left half of the tile's own they do: it then reaches over [0.2,0.6].
+    assert_int_equal(run("check '%s' --tile '%s' --tile-cell 0,0,0.5,0.5 --count 1 --height 0.8", path, tile), 4);
+}
+
+// Below a cylinder of radius 1 a texture may be 1 high, whatever the tile; where the tile is lower than that it fits.
+static void local_heights_with_a_tile(void **state)
+{
+    (void)state;
+    char path[PATH_BYTES];
+    write_torus(path);
+    assert_int_equal(run("check '%s' --tile bump --count 8 --normal-tol 1e-3 --height -0.5 --work 1 --json", path),
+                     4);
+    json_t *r = printed_json();
+    assert_string_equal(verdict(get(r, "jacobian")), "positive");
+    assert_int_equal(number(r, "cells"), 64);
+    assert_true(element(r, "range", 0) > -0.55 && element(r, "range", 1) < 0.05);
+    json_decref(r);
+    assert_int_equal(run("check '%s' --tile bump --count 8 --normal-tol 1e-3 --height -1.5 --work 1 --json", path),
+                     4);
+    r = printed_json();
+    assert_string_equal(verdict(get(r, "jacobian")), "mixed");
+    assert_true(number(r, "folding_cells") > 0);
+    json_decref(r);
+}
+
+static void volumes(void **state)
+{
+    (void)state;
+    static const char head[] = "700 1 0 0\n3 0\n2 2\n0 0 1 1\n2 2\n0 0 1 1\n2 2\n0 0 2 2\n";
+    char path[PATH_BYTES], text[512];
+    test_tmp_path(path, "block.g2");
+    snprintf(text, sizeof text, "%s0 0 0\n1 0 0\n0 1 0\n1 1 0\n0 0 1\n1 0 1\n0 1 1\n1 1 1\n", head);
+    write_text(path, text);
+    assert_int_equal(run("check '%s' --json", path), 0);
+    json_t *r = printed_json();
+    assert_true(element(r, "range", 0) == 0 && element(r, "range", 1) == 2); // its own heights
+    // det = 1 x 1 x 1/2, everywhere: products of small integers are exact, bounds are rounded outwards
+    assert_true(number(get(r, "jacobian"), "min") <= 0.5 && number(get(r, "jacobian"), "max") >= 0.5);
+    assert_true(number(get(r, "jacobian"), "min") > 0.49);
+    json_decref(r);
+    snprintf(text, sizeof text, "%s0 0 0\n0 1 0\n1 0 0\n1 1 0\n0 0 1\n0 1 1\n1 0 1\n1 1 1\n", head);
+    write_text(path, text);
+    assert_int_equal(run("check '%s'", path), 4);
+    assert_non_null(strstr(printed, "inside out"));
+}
+
+// ---- fields ----
+
+// Twice the thickness is half the height; a field that is no constant comes from a file.
+static void thickness_counts(void **state)
+{
+    (void)state;
+    char path[PATH_BYTES], field[PATH_BYTES];
+    write_torus(path);
+    assert_int_equal(run("check '%s' --height 0.4 --thickness 2 --work 1 --json", path), 4);
+    json_t *r = printed_json();
+    assert_safe(number(get(r, "safe_height"), "above"), 1);
+    assert_safe(number(get(r, "safe_height"), "below"), 0.5);
+    json_decref(r);
+    test_tmp_path(field, "thickness.g2");
+    write_text(field, "200 1 0 0\n1 0\n2 2\n0 0 1 1\n2 2\n0 0 5 5\n2\n2\n2\n2\n");
+    assert_int_equal(run("check '%s' --height 0.4 --thickness '%s' --work 1 --json", path, field), 4);
+    r = printed_json();
+    assert_safe(number(get(r, "safe_height"), "above"), 1);
+    json_decref(r);
+}
+
+// ---- pictures and scenes ----
+
+static void a_scene_with_colors(void **state)
+{
+    (void)state;
+#if KN_WITH_TINYGLTF
+    char path[PATH_BYTES], out[PATH_BYTES];
+    write_torus(path);
+    test_tmp_path(out, "heat.glb");
+    // At 1.4 the outer side has more than enough room above, and the inner one (2) less than twice as much.
+    assert_int_equal(run("check '%s' --height 1.4 --work 1 -q -o '%s'", path, out), 4);
+    test_memory memory = TEST_MEMORY_INIT;
+    kn_ctx *ctx = test_ctx(&memory, 1);
+    kn_scene scene = {0};
+    assert_int_equal(kn_gltf_read(ctx, &scene, out), KN_OK);
+    assert_int_equal(scene.nitems, 1);
+    const kn_scene_item *item = &scene.items[0];
+    assert_non_null(item->color);
+    float lo[3] = {1, 1, 1}, hi[3] = {0, 0, 0};
+    for (size_t v = 0; v < item->mesh.nvertices; v++)
+        for (size_t c = 0; c < 3; c++) {
+            float x = item->color[3 * v + c];
+            assert_true(x >= 0 && x <= 1);
+            lo[c] = x < lo[c] ? x : lo[c];
+            hi[c] = x > hi[c] ? x : hi[c];
+        }
+    assert_true(hi[0] - lo[0] > 0.1F);
+    // The height rises along the circle of the tube, so that the colour depends on the distance from the axis alone:
+    // in metres, y upwards, millimetres before.
+    const double *p = item->mesh.position;
+    for (size_t v = 0; v < item->mesh.nvertices; v++)
+        if (hypot(p[3 * v], p[3 * v + 2]) > 3.5e-3)
+            for (size_t c = 0; c < 3; c++) assert_true(fabsf(item->color[3 * v + c] - item->color[c]) < 1e-3F);
+    kn_scene_clear(ctx, &scene);
+    test_ctx_end(ctx, &memory);
+    char *text = test_read_file(out, NULL);
+    assert_non_null(text);
+    assert_non_null(strstr(text + 20, "Safe height above the base")); // behind the header, in the JSON
+    free(text);
+#else
+    skip();
+#endif
+}
+
+static void a_picture_with_a_legend(void **state)
+{
+    (void)state;
+#if KN_WITH_EMBREE && KN_WITH_PNG && KN_WITH_CAIRO
+    char path[PATH_BYTES], out[PATH_BYTES];
+    test_tmp_path(path, "facing.g2");
+    write_text(path, facing);
+    test_tmp_path(out, "heat.png");
+    assert_int_equal(run("check '%s' --height 0.4 -q --pixels 320,240 -o '%s'", path, out), 0);
+    size_t bytes = 0;
+    char *file = test_read_file(out, &bytes);
+    assert_non_null(file);
+    assert_memory_equal(file, "\x89PNG\r\n\x1a\n", 8);
+    assert_memory_equal(file + 16, "\0\0\1\x40\0\0\0\xf0", 8); // IHDR: 320 x 240
+    assert_true(bytes > 10000);                                // a plain one has some hundred
+    free(file);
+#else
+    skip();
+#endif
+}
+
+// ---- what is refused ----
+
+static void usage_errors(void **state)
+{
+    (void)state;
+    assert_int_equal(run("check"), 2);
+    assert_int_equal(run("check data/teapot.bpt"), 2);
+    assert_non_null(strstr(complained, "--height H is missing"));
+    assert_int_equal(run("check data/teapot.bpt --heigth 1"), 2);
+    assert_non_null(strstr(complained, "did you mean '--height'"));
+    assert_int_equal(run("check data/teapot.bpt --height 0"), 2);
+    assert_int_equal(run("check data/teapot.bpt --height 1 --color red"), 2);
+    assert_int_equal(run("check data/teapot.bpt --height 1 --side left"), 2);
+    assert_int_equal(run("check data/teapot.bpt --height 1 --count 3"), 2);
+    assert_int_equal(run("check data/teapot.bpt --height 1 --tile thron"), 2);
+    assert_int_equal(run("check data/teapot.bpt --height 1 --work 0"), 2);
+    assert_int_equal(run("check data/teapot.bpt --height 1 --pixels 10"), 2);
+    assert_int_equal(run("check data/teapot.bpt data/teapot.bpt --height 1"), 2);
+    assert_int_equal(run("check data/teapot.bpt --height 1 -o x.stl"), 2);
+    assert_non_null(strstr(complained, ".glb"));
+    assert_string_equal(printed, "");
+}
+
+static void bad_input_is_3(void **state)
+{
+    (void)state;
+    char path[PATH_BYTES];
+    assert_int_equal(run("check /nonexistent/x.g2 --height 1"), 3);
+    test_tmp_path(path, "cusp.g2"); // turns back on itself: S_u vanishes along a line inside
+    write_text(path, "200 1 0 0\n3 0\n4 4\n0 0 0 0 1 1 1 1\n2 2\n0 0 1 1\n"
+                     "0 0 0\n20 0 0\n-10 0 0\n10 0 0\n0 9 0\n20 9 0\n-10 9 0\n10 9 0\n");
+    assert_int_equal(run("check '%s' --height 1", path), 3);
+    assert_non_null(strstr(complained, "cusp.g2: surface 0: "));
+    assert_int_equal(strchr(complained, '\n') - complained, strlen(complained) - 1); // one line
+    assert_int_equal(run("check data/teapot.bpt --height 1 --thickness /nonexistent/x.g2"), 3);
+    write_text(path, "100 1 0 0\n3 0\n2 2\n0 0 1 1\n0 0 0\n1 0 0\n");
+    assert_int_equal(run("check data/teapot.bpt --height 1 --direction '%s'", path), 3);
+    assert_non_null(strstr(complained, "--direction: "));
+}
+
+// Interrupted while it draws: exit code 5 and no file of any name.
+static void interrupted_is_5(void **state)
+{
+    (void)state;
+    char folder[PATH_BYTES], out[PATH_BYTES + 16], line[2 * PATH_BYTES];
+    test_tmp_path(folder, "check-interrupted");
+    assert_int_equal(mkdir(folder, 0777), 0);
+    snprintf(out, sizeof out, "%s/heat.png", folder);
+    pid_t child = fork();
+    assert_true(child >= 0);
+    if (child == 0) {
+        execl(getenv("KNURL"), "knurl", "check", "data/teapot.bpt", "--height", "0.1", "-q", "--side", "both",
+              "--pixels", "8000,6000", "-o", out, (char *)NULL);
+        _exit(127);
+    }
+    nanosleep(&(struct timespec){.tv_nsec = 500000000}, NULL);
+    kill(child, SIGINT);
+    int status;
+    assert_int_equal(waitpid(child, &status, 0), child);
+    assert_true(WIFEXITED(status));
+    int code = WEXITSTATUS(status);
+    if (code == 2) skip(); // built without what draws
+    assert_int_equal(code, 5);
+    snprintf(line, sizeof line, "rmdir '%s'", folder); // fails when anything is left in it
+    assert_int_equal(system(line), 0);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(safe_heights_of_a_torus),
+        cmocka_unit_test(too_deep_is_4_and_says_what_to_do),
+        cmocka_unit_test(sheets_that_face_each_other),
+        cmocka_unit_test(only_the_region_of_the_tile_counts),
+        cmocka_unit_test(local_heights_with_a_tile),
+        cmocka_unit_test(volumes),
+        cmocka_unit_test(thickness_counts),
+        cmocka_unit_test(a_scene_with_colors),
+        cmocka_unit_test(a_picture_with_a_legend),
+        cmocka_unit_test(usage_errors),
+        cmocka_unit_test(bad_input_is_3),
+        cmocka_unit_test(interrupted_is_5),
+    };
+    return cmocka_run_group_tests_name("cli/check", tests, NULL, NULL);
+}
