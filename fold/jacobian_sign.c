@@ -11,7 +11,7 @@
 
 enum { DEPTH = 90, FINE = 6 };
 static const double margin = 0.02;                // of the range of values: how far bounds may lie outside it
-static const size_t whole_work = (size_t)1 << 25; // coefficients to look at
+static const size_t whole_work = (size_t)1 << 24; // coefficients to look at
 
 typedef struct box {
     double lo[3], hi[3];

@@ -14,9 +14,9 @@
 #include <math.h>
 #include <string.h>
 
-enum { DEPTH = 40, LEAST_WORK = 64, WORK = 200000 };
-static const double enough = 0.99;   // a lower bound by an upper one
-static const double share = 0x1p-20; // J counts as 0 below so much of its terms
+enum { DEPTH = 40, LEAST_WORK = 64, WORK = 1 << 24 }; // halvings of a box; coefficients to look at in all
+static const double enough = 0.99;                    // a lower bound by an upper one
+static const double share = 0x1p-20;                  // J counts as 0 below so much of its terms
 
 typedef struct side {
     double lower, upper, where[2];
@@ -129,7 +129,7 @@ static void refine(side *found, const search *s, size_t work)
 
 typedef struct job {
     const kn_shell *shell;
-    size_t n, work;      // boxes of the grid; halvings for each
+    size_t n, work;      // boxes of the grid; coefficients to look at for each
     side (*side)[2];     // of each box: above, below
     const double *known; // in the second round, for each cell and side: an upper bound
     size_t *cell;
@@ -210,7 +210,7 @@ static kn_status second_look(kn_ctx *ctx, void *user, size_t index)
         if (status == KN_OK) {
             side own = *found;
             own.upper = fmin(own.upper, known);
-            refine(&own, &s, a->work);
+            refine(&own, &s, LEAST_WORK + a->work / (s.count * ((size_t)s.top + 1)));
             if (own.upper < fmin(found->upper, known)) {
                 found->upper = own.upper;
                 memcpy(found->where, own.where, sizeof own.where);
@@ -285,7 +285,7 @@ kn_status kn_fold_safe_heights(kn_ctx *ctx, kn_fold_heights *cells, kn_fold_heig
     kn_shell_cells(shell, count);
     size_t ncells = (size_t)count[0] * (size_t)count[1];
     job a = {.shell = shell, .n = kn_fold_boxes(shell), .columns = count[1]};
-    a.work = LEAST_WORK + WORK / a.n;
+    a.work = WORK / a.n;
     kn_mark mark = kn_scratch_mark(ctx);
     kn_fold_heights all, *own = kn_scratch(ctx, ncells, sizeof *own);
     kn_status status = own ? compute(ctx, &a, own, &all, ncells) : KN_ENOMEM;

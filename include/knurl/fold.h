@@ -36,7 +36,7 @@ typedef struct kn_fold_sign {
 //         KN_ECANCELLED; out unchanged.
 // error:  none: definite answers include all rounding (docs/numerics.md, "fold").
 // cost:   kn_shell_jacobian_piece_init for each box of the grid that it meets, and some us for each box it is halved
-//         into; limited by 2^25 coefficients, some 0.3 s.
+//         into; limited by 2^24 coefficients, some 0.3 s.
 KN_API KN_CHECKED kn_status kn_fold_jacobian_sign(kn_ctx *ctx, kn_fold_sign *out, const kn_shell *shell,
                                                   const double lo[3], const double hi[3]);
 
@@ -55,7 +55,7 @@ typedef struct kn_fold_heights {
 // fails:  KN_ELIMIT as kn_shell_jacobian, KN_ENOMEM, KN_ECANCELLED; outputs unchanged.
 // error:  none: above and below are lower bounds, rounding included.
 // cost:   kn_shell_jacobian_piece_init for each box of the grid, twice where it comes near the least, and some us for
-//         each of at most 200000 halvings; on the threads of the context, with the same result for any number of them.
+//         each halving, limited by 2^24 coefficients; on the threads of the context, with the same result for any number of them.
 // source: Elber 2005, "Modeling the geometric texture"; lower bounds from coefficients by halving.
 KN_API KN_CHECKED kn_status kn_fold_safe_heights(kn_ctx *ctx, kn_fold_heights *cells, kn_fold_heights *overall,
                                                  const kn_shell *shell);
@@ -82,24 +82,46 @@ KN_API KN_CHECKED kn_status kn_fold_curves(kn_ctx *ctx, double **points, size_t 
 // ---- global: two places with one image ----
 
 typedef enum kn_fold_global {
-    KN_FOLD_NONE,  // certified: T is injective over the regions (shared edges and poles apart)
-    KN_FOLD_FOUND, // a witness
+    KN_FOLD_NONE,  // certified: no two places of the regions have one image, but for what is said below
+    KN_FOLD_FOUND, // a witness: T is not injective
     KN_FOLD_OPEN,  // undecided
 } kn_fold_global;
 typedef struct kn_fold_intersection {
     kn_fold_global verdict;
-    kn_fold_region a, b;  // FOUND: points (lo = hi) whose images agree to 1e-10 of the size; OPEN: boxes in doubt
-    double point[3], gap; // FOUND: the image, and the distance of the two images
-    size_t boxes;         // visited
-    size_t undecided;     // pairs that could not be decided
+    kn_fold_region a, b;  // FOUND: two places (lo = hi), inside the regions; OPEN: the first boxes in doubt
+    double point[3], gap; // FOUND: the image, and the distance of the two images, at most 1e-11 of the size of the whole
+    size_t boxes;         // work done
+    size_t undecided;     // OPEN: pairs of boxes in doubt
 } kn_fold_intersection;
 typedef struct kn_fold_options {
-    size_t work; // boxes to visit before it gives up; 0: 2 million
-    double size; // boxes of images smaller than this share of the whole are not split further; 0: 1e-6
+    size_t work; // boxes and pairs to look at before it gives up; 0: 300 000
+    double size; // the resolution, as a part of the size of the whole, at most 0.01; 0: 1e-6
 } kn_fold_options;
-// Whether two places of the regions, of one shell or of two, have the same image. Places on shared edges, seams and
-// poles, where T is the same point by construction, do not count.
-// in: shells that may share edges (a teapot's patches); regions NULL: all of every shell for w in [w[0], w[1]].
+// Whether two places of the regions, of one shell or of two, have the same image: locally, where the Jacobian changes its
+// sign, or far apart, where parts of the shells run into each other.
+// in:     shells whose edges may be the same curves (a teapot's patches): that is found by comparing T over the edges
+//         from end to end, in both directions and with w counted either way, so that seams, Moebius strips and
+//         neighbouring patches are known. Edges that are the same in part only are not. regions, which may touch and
+//         overlap: inside the domain and kn_shell_heights; NULL: all of every shell, w in [w[0], w[1]]; w is not
+//         looked at otherwise.
+// out:    One place is not two: where edges are one, and at poles, the same place has several parameters. With
+//         resolution r = options.size times the diameter of all images (of all shells over their whole domain and all
+//         heights in question, up and down):
+//         NONE: any two different places with one image lie on both sides of a common edge, or about a pole or a
+//         common corner, and are joined along the shells by a way not longer than r. So neighbours whose normals
+//         differ by less than r / w count as joined. Everywhere else T is injective.
+//         FOUND: a way that long does not join the places, but one of 10 r or more: it is no matter of resolution.
+//         Along an edge where two shells meet at an angle, T really overlaps on the hollow side.
+//         OPEN: images of boxes in doubt became smaller than r, or the work ran out. So does T where it touches
+//         itself, or where J vanishes on the boundary of the regions alone; edges that only the bases share and that
+//         open (the outer side of an angle) are not certified; nor is an apex.
+// fails:  KN_EDOMAIN (no shells, regions or options out of range), KN_EUNDECIDED weights near zero, numbers that
+//         overflow; KN_ELIMIT as kn_shell_volume; KN_ENOMEM, KN_ECANCELLED; out unchanged.
+// error:  none: NONE holds for the exact T, with all rounding included (docs/numerics.md, "fold"); a witness can be
+//         evaluated.
+// cost:   about 0.1 ms a box; a few times as many boxes as T has pieces where heights stay below nine tenths of the
+//         largest ones, and 1 / distance times as many near them. The same results on every run.
+// source: boxes: Gottschalk, Lin & Manocha, OBBTree, SIGGRAPH 1996. planes: Gilbert, SIAM J. Control 4 (1966).
 KN_API KN_CHECKED kn_status kn_fold_self_intersection(kn_ctx *ctx, kn_fold_intersection *out,
                                                       const kn_shell *const *shells, int nshells,
                                                       const kn_fold_region *regions, size_t nregions,

@@ -49,7 +49,7 @@ static void torus(void **state)
     const double center[3] = {0, 0, 0}, axis[3] = {0, 0, 1};
     kn_spline s = {0};
     assert_int_equal(kn_construct_torus(ctx, &s, center, axis, 3.0, 0.8), KN_OK);
-    kn_shell_options o = {.normal_tol = 1e-6};
+    kn_shell_options o = {.normal_tol = 1e-5};
     kn_shell *shell = create(ctx, &s, &o);
     assert_int_equal(over_heights(ctx, shell, -0.79, 2.19).verdict, KN_FOLD_POSITIVE);
     assert_int_equal(over_heights(ctx, shell, 0.0, 2.21).verdict, KN_FOLD_MIXED);
@@ -81,7 +81,7 @@ static void sphere(void **state)
     const double center[3] = {5, 6, 7};
     kn_spline s = {0};
     assert_int_equal(kn_construct_sphere(ctx, &s, center, 2.0), KN_OK);
-    kn_shell_options o = {.normal_tol = 1e-6};
+    kn_shell_options o = {.normal_tol = 1e-5};
     kn_shell *shell = create(ctx, &s, &o);
     kn_fold_sign sign = over_heights(ctx, shell, -1.9, 10.0);
     assert_int_equal(sign.verdict, KN_FOLD_POSITIVE);
@@ -104,7 +104,7 @@ static void apex(void **state)
     const double base[3] = {0, 0, 0}, axis[3] = {0, 0, 1};
     kn_spline s = {0};
     assert_int_equal(kn_construct_cone(ctx, &s, base, axis, 1.0, 0.0), KN_OK);
-    kn_shell_options o = {.normal_tol = 1e-6};
+    kn_shell_options o = {.normal_tol = 1e-5};
     kn_shell *shell = create(ctx, &s, &o);
     assert_int_equal(over_heights(ctx, shell, 0.0, 2.0).verdict, KN_FOLD_POSITIVE);
     assert_int_equal(over_heights(ctx, shell, 1.0, 2.0).verdict, KN_FOLD_POSITIVE);

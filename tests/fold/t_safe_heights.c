@@ -163,7 +163,7 @@ static void radii(long double out[2], const kn_spline *s, const int span[2], con
 // The least over one knot span: samples, then steps towards lower values from the best few of them.
 static long double least_radius(const kn_spline *s, const int span[2], int side)
 {
-    enum { GRID = 14, STARTS = 3 };
+    enum { GRID = 10, STARTS = 3 };
     long double best[STARTS][3], lo[2], width[2], r[2];
     for (int v = 0; v < 2; v++) {
         lo[v] = s->knots[v][span[v]];
@@ -240,7 +240,7 @@ static void random_surfaces(void **state)
     test_memory memory = TEST_MEMORY_INIT;
     kn_ctx *ctx = test_ctx(&memory, 2);
     test_rng rng = test_random(40);
-    kn_shell_options o = {.normal_tol = 1e-6};
+    kn_shell_options o = {.normal_tol = 1e-5};
     int compared = 0, surfaces = test_scale(50);
     for (int k = 0; k < surfaces; k++) {
         kn_spline s;
@@ -257,10 +257,10 @@ static void random_surfaces(void **state)
                 const int span[2] = {span_of(&s, 0, c / count[1]), span_of(&s, 1, c % count[1])};
                 double truth = (double)least_radius(&s, span, side), h = side ? cell[c].below : cell[c].above;
                 least[side] = fmin(least[side], h);
-                // n_u and n_v are off by up to about 1e-6 / (span / 10): of curvatures 1/truth that is 1e-5 truth
-                double off = 1e-3 + 3e-4 * truth;
-                if (truth > 10.0)
-                    assert_true(h > 5.0); // flat: what limits T there is n's error as much as curvature
+                // n within 1e-5 has derivatives within about 1e-3 (spans of 1/10 and less): of 1/truth, twice
+                double off = 1e-3 + 1e-3 * truth;
+                if (truth > 3.0)
+                    assert_true(h > 3.0); // flat: what limits T there is n's error as much as curvature
                 else
                     near_below(h, truth, off), compared++;
             }
@@ -296,7 +296,7 @@ static void samples_agree(void **state)
     for (int k = 1; k < SURFACE_CASES; k++) {
         kn_spline s;
         surface_cases[k].make(ctx, &s);
-        kn_shell_options o = {.normal_tol = 1e-4};
+        kn_shell_options o = {.normal_tol = 1e-3};
         kn_shell *shell = create(ctx, &s, &o);
         kn_fold_heights h = overall(ctx, shell);
         double lo[2], hi[2];
@@ -327,7 +327,7 @@ static void teapot(void **state)
     (void)state;
     test_memory memory = TEST_MEMORY_INIT;
     kn_ctx *ctx = test_ctx(&memory, 1), *two = test_ctx(&memory, 3);
-    kn_shell_options o = {.normal_tol = 1e-4};
+    kn_shell_options o = {.normal_tol = 1e-3};
     for (int k = 0; k < TEAPOT_PATCHES; k++) {
         kn_spline s;
         if (!make_teapot(ctx, &s, k)) skip();
