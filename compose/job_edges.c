@@ -141,8 +141,11 @@ static double apart(const double p[3], const double q[3])
 static kn_status agrees(kn_ctx *ctx, bool *yes, const kn_job *job, const edge_place *e, const double w[2], double tol)
 {
     const kn_job_options *o = &job->options;
-    bool volume = kn_shell_normal(e->shell[0])->coef == NULL, fields = o->thickness || o->direction || o->attraction;
-    double p[2][3], slack = tol * fmax(fabs(w[0]), fabs(w[1])) * job->w_length + 2e-9 * job->diagonal;
+    bool volume = kn_shell_normal(e->shell[0])->coef == NULL;
+    bool fields = o->thickness || o->direction || o->attraction || o->stretch;
+    // what normals that agree may differ by; the stretch makes thicknesses of up to about 4
+    double reach = fmax(fabs(w[0]), fabs(w[1])) * job->w_length * (o->stretch ? 4.0 : 1.0);
+    double p[2][3], slack = tol * reach + 2e-9 * job->diagonal;
     kn_status status = KN_OK;
     for (int k = 0; k < 5 && *yes && (fields || volume) && status == KN_OK; k++) {
         for (int i = 0; i < 2 && status == KN_OK; i++)
