@@ -229,7 +229,7 @@ typedef struct kn_support {
 // out:    *supports: *n of them, ordered by |w|, for kn_free. Every place lies in the box of one of them. Where T
 //         folds (its Jacobian is singular) they are not certified: one box for each group of places that touch.
 //         *complete: no box is wider than its fold makes it; false: places form a continuum (the centre of a sphere),
-//         or the work limit was met. u and u + period are one place, and so is a pole, whatever u: its error[0] spans
+//         or the work limit was met. u and u + period are one place, and so is a pole, whatever u: its error in u spans
 //         the domain.
 // fails:  KN_EDOMAIN (not finite), KN_ENOMEM, KN_ECANCELLED; outputs unchanged.
 // error:  none: boxes are certified of T itself, with the rounding of its coefficients inside (docs/numerics.md).
