@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // The angle between exact normals of mapped geometry, J^-T N, and the estimate of equation (4), N_u S_u + N_v S_v +
-// N_w n: of three built-in tiles on three bases, at heights 0, H/2 and H, as the table of docs/normals.md; and what each
-// costs. The estimate wants S_u and S_v as long as n: it is taken in S's own parameters, and in parameters scaled so
-// that S_u and S_v have unit length in the mean over each surface.
+// N_w n: of three built-in tiles on three bases, at heights 0, H/2 and H, as the table of docs/normals.md; and what
+// each costs. The estimate wants S_u and S_v as long as n: it is taken in S's own parameters, and in parameters
+// scaled so that S_u and S_v have unit length in the mean over each surface.
 #include "bench/bench.h"
 
 #include <knurl/construct.h>
@@ -37,7 +37,8 @@ static void read_teapot(kn_ctx *ctx, base *b)
     kn_model_clear(ctx, &model);
 }
 
-// Radii 3 and 1; u = (t + t^2) / 2 and v = 1.4 t - 0.4 t^2 run three and 2.3 times as fast at one end as at the other.
+// Radii 3 and 1; u = (t + t^2) / 2 and v = 1.4 t - 0.4 t^2 run three and 2.3 times as fast at one end as at the
+// other.
 static void make_torus(kn_ctx *ctx, kn_spline *out)
 {
     const double center[3] = {0}, axis[3] = {0, 0, 1}, knots[6] = {0, 0, 0, 1, 1, 1}, *k[1] = {knots};

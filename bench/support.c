@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Support positions of points about a surface, one thread: all of them, certified, by the inverse of a shell; beside it
-// the closest points of the surface, certified, and SISL's, where it is installed: s1954 searches, s1775 iterates from
-// a guess that is 0.05 of the domain away. The surface: one bicubic patch, and 20 x 20 control points.
+// Support positions of points about a surface, one thread: all of them, certified, by the inverse of a shell; beside
+// it the closest points of the surface, certified, and SISL's, where it is installed: s1954 searches, s1775 iterates
+// from a guess that is 0.05 of the domain away. The surface: one bicubic patch, and 20 x 20 control points.
 #include "bench/bench.h"
 
 #include <knurl/shell.h>

@@ -56,8 +56,8 @@ static kn_status gather(kn_ctx *ctx, kn_cells *cells, const kn_shell_inverse *v,
 
 // ---- poles ----
 
-// Whether the point is on the axis, as far as T is known, and the slopes of T beside the pole lie on one side of a plane
-// through the axis: then T - axis(w) = t slope vanishes at t = 0 alone. w in [0,1] of the pole's interval.
+// Whether the point is on the axis, as far as T is known, and the slopes of T beside the pole lie on one side of a
+// plane through the axis: then T - axis(w) = t slope vanishes at t = 0 alone. w in [0,1] of the pole's interval.
 static bool opens(const kn_pole *pole, double w, const double *p)
 {
     const kn_bezier *s = &pole->slope;
