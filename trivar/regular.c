@@ -10,23 +10,38 @@
 
 enum {
     DEPTH = 52,
+    ROUNDS = 6,
     FREE = 16,    // halvings of each span that do not count as work
     OVERHEAD = 64 // of each other one
 };
 
-// n vanishes nowhere where all its coefficients lie strictly on one side of a plane through the origin.
+// n vanishes nowhere where all its coefficients lie strictly on one side of a plane through the origin. The plane's
+// normal d is their mean first, then a point of their hull that is nearer to the origin (Gilbert, SIAM J. Control 4,
+// 1966): it helps where n is small, but does not vanish, along a curve across which it turns over.
 static bool one_sided(const double *n, size_t count, double error)
 {
-    double d[3] = {0}, length = 0.0;
+    double d[3] = {0};
     for (int c = 0; c < 3; c++) {
         for (size_t i = 0; i < count; i++) d[c] += n[(size_t)c * count + i];
-        length += d[c] * d[c];
+        d[c] /= (double)count;
     }
-    length = sqrt(length);
-    if (!(length > 0.0) || !isfinite(length)) return false;
-    for (size_t i = 0; i < count; i++)
-        if (!(n[i] * d[0] + n[count + i] * d[1] + n[2 * count + i] * d[2] > error * length)) return false;
-    return true;
+    for (int round = 0; round < ROUNDS; round++) {
+        double length = sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]), least = INFINITY, along = 0.0, square = 0.0;
+        size_t at = 0;
+        if (!(length > error) || !isfinite(length)) return false;
+        for (size_t i = 0; i < count; i++) {
+            double x = n[i] * d[0] + n[count + i] * d[1] + n[2 * count + i] * d[2];
+            if (!(x >= least)) least = x, at = i;
+        }
+        if (least > error * length) return true;
+        for (size_t c = 0; c < 3; c++) {
+            double step = n[c * count + at] - d[c];
+            along -= step * d[c], square += step * step;
+        }
+        double t = fmin(fmax(along / square, 0.0), 1.0);
+        for (size_t c = 0; c < 3; c++) d[c] += t * (n[c * count + at] - d[c]);
+    }
+    return false;
 }
 
 typedef struct stack {
