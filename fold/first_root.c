@@ -27,8 +27,7 @@ static double quadratic(double a, double b, double c)
     return root * less;
 }
 
-// A number up to which q_0 exceeds what the negative coefficients take away;
-// INFINITY without any.
+// A number up to which q_0 exceeds what the negative coefficients take away; INFINITY without any.
 static double step_of(const double *q, int top)
 {
     double step = INFINITY;
@@ -37,8 +36,7 @@ static double step_of(const double *q, int top)
     if (negative == 0) return INFINITY;
     for (int k = 1; k <= top; k++)
         if (q[k] < 0.0) step = fmin(step, pow(q[0] / -q[k], 1.0 / k));
-    // The least of these is at most `negative` times as far as all together
-    // reach; halve what is too far.
+    // The least of these is at most `negative` times as far as all together reach; halve what is too far.
     double lo = 0.0, hi = step;
     for (int i = 0; i < 30; i++) {
         double s = 0.5 * (lo + hi), sum = 0.0;
@@ -51,8 +49,7 @@ static double step_of(const double *q, int top)
     return lo * (1.0 - 0x1p-20);
 }
 
-// Steps towards the root, each to where q, expanded about the last place, is
-// certainly still positive.
+// Steps towards the root, each to where q, expanded about the last place, is certainly still positive.
 static double stepped(double *q, int top)
 {
     enum { STEPS = 60 };
@@ -61,8 +58,7 @@ static double stepped(double *q, int top)
         double step = step_of(q, top);
         if (step == INFINITY) return INFINITY;
         if (!(step > 1e-5 * at) || !isfinite(step)) break;
-        // Taylor's shift; what rounding may have added is taken off every
-        // coefficient.
+        // Taylor's shift; what rounding may have added is taken off every coefficient.
         double size[KN_MAX_COMPS];
         for (int k = 0; k <= top; k++) size[k] = fabs(q[k]);
         for (int m = 0; m < top; m++)

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The sign of the Jacobian over a box of (u,v,w): Bernstein coefficients in all
-// three, halved where they differ.
+// The sign of the Jacobian over a box of (u,v,w): Bernstein coefficients in all three, halved where they differ.
 #include "fold/internal.h"
 #include "kernel/bernstein.h"
 #include "kernel/context.h"
@@ -38,8 +37,7 @@ static double parameter(const search *s, int v, double x)
 
 // ---- values: what was divided out comes back ----
 
-// The factor f at both ends of variable v over [a,b], parameters: bounds of it,
-// rounding included.
+// The factor f at both ends of variable v over [a,b], parameters: bounds of it, rounding included.
 static void factor_range(const search *s, int v, double a, double b, double out[2])
 {
     const kn_shell_jacobian_piece *p = s->p;
@@ -110,8 +108,8 @@ static void look_at_corners(search *s, const double *c, const box *b)
 
 // ---- signs ----
 
-// At an apex and w = 0 the Jacobian is 0, as T is one point there: such a
-// coefficient is exactly 0, and takes no part.
+// At an apex and w = 0 the Jacobian is 0, as T is one point there: such a coefficient is exactly 0, and takes no
+// part.
 static bool at_apex(const search *s, const box *b, size_t k)
 {
     size_t row = (size_t)s->net.degree[2] + 1, columns = (size_t)s->net.degree[1] + 1;
@@ -179,8 +177,7 @@ static int visit(search *s, const double *c, const box *b, int depth, int *known
     return -1;
 }
 
-// Depth first: level k >= 1 keeps its halves at 2k - 1 and 2k, level 0 is the
-// whole.
+// Depth first: level k >= 1 keeps its halves at 2k - 1 and 2k, level 0 is the whole.
 static kn_status divide(search *s)
 {
     box b[DEPTH + 1];
@@ -215,9 +212,8 @@ static kn_status divide(search *s)
 
 // ---- the pieces of the region ----
 
-// The part of the region in p's box, in its own coordinates (heights themselves
-// unless T is a volume), and in parameters; a little wider, so that rounding
-// loses nothing. False when there is none.
+// The part of the region in p's box, in its own coordinates (heights themselves unless T is a volume), and in
+// parameters; a little wider, so that rounding loses nothing. False when there is none.
 static bool cut(box *local, box *part, const kn_shell_jacobian_piece *p, const double lo[3], const double hi[3])
 {
     for (int v = 0; v < 3; v++) {
@@ -284,7 +280,7 @@ static void answer(kn_fold_sign *out, const search *s)
 kn_status kn_fold_jacobian_sign(kn_ctx *ctx, kn_fold_sign *out, const kn_shell *shell, const double lo[3],
                                 const double hi[3])
 {
-    double from[3], to[3];
+    double from[3] = {0}, to[3] = {0};
     kn_status status = check(ctx, from, to, shell, lo, hi);
     if (status != KN_OK) return status;
     search s = {.ctx = ctx, .work = whole_work, .most = -INFINITY};

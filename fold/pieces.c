@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The Jacobian over the boxes of a shell's grid, in the forms in which its sign
-// is looked at.
+// The Jacobian over the boxes of a shell's grid, in the forms in which its sign is looked at.
 #include "fold/internal.h"
 #include "kernel/bernstein.h"
 #include "kernel/binomial.h"
@@ -39,8 +38,8 @@ kn_status kn_fold_piece(kn_ctx *ctx, kn_shell_jacobian_piece *out, const kn_shel
     return kn_shell_jacobian_piece_init(ctx, out, shell, at);
 }
 
-// b_0 .. b_m over [0,width] are sum_k C(m,k) (difference k of b at 0) (s /
-// width)^k. A difference of order k sums 2^k coefficients.
+// b_0 .. b_m over [0,width] are sum_k C(m,k) (difference k of b at 0) (s / width)^k. A difference of order k sums 2^k
+// coefficients.
 static void to_powers(double *out, double *error, const kn_bezier *b, double known, double width)
 {
     int m = b->degree[2];

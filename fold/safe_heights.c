@@ -1,11 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // How far T may go before its Jacobian vanishes.
 //
-// Over a box, J(w) at every (u,v) is a mean of the polynomials sum_k c_k w^k,
-// c_k coefficient i of J_k: it stays positive as long as all of them do, and
-// the least of their first roots is a lower bound of its own, which halving the
-// box improves. At corners of boxes coefficients are values: their roots are
-// upper bounds.
+// Over a box, J(w) at every (u,v) is a mean of the polynomials sum_k c_k w^k, c_k coefficient i of J_k: it stays
+// positive as long as all of them do, and the least of their first roots is a lower bound of its own, which halving
+// the box improves. At corners of boxes coefficients are values: their roots are upper bounds.
 #include "fold/internal.h"
 #include "kernel/bernstein.h"
 #include "kernel/context.h"
@@ -22,8 +20,7 @@ typedef struct side {
     double lower, upper, where[2];
 } side;
 
-// J in powers of the height over one box, and its halves: level k >= 1 has them
-// at 2k - 1 and 2k, level 0 the whole.
+// J in powers of the height over one box, and its halves: level k >= 1 has them at 2k - 1 and 2k, level 0 the whole.
 typedef struct search {
     int top, degree[2];
     size_t count;
@@ -51,8 +48,7 @@ static double height(const search *s, double root)
     return root >= s->reach ? INFINITY : s->base + root;
 }
 
-// No J of the box vanishes below this; no more than is needed is found out when
-// that is not above `wanted`.
+// No J of the box vanishes below this; no more than is needed is found out when that is not above `wanted`.
 static double lower_bound(const search *s, const double *c, const double lo[2], const double hi[2], double wanted)
 {
     double least = INFINITY;
@@ -90,8 +86,8 @@ static void halve(const search *s, int depth, bool second, int var)
         kn_bernstein_split(first, first + all, now, outer * ((size_t)s->degree[0] + 1), s->degree[1], 1, 0.5);
 }
 
-// Halves boxes, depth first, until the lower bound of each is near the least
-// upper bound. found->upper is what is known already.
+// Halves boxes, depth first, until the lower bound of each is near the least upper bound. found->upper is what is
+// known already.
 static void refine(side *found, const search *s, size_t work)
 {
     double lo[DEPTH + 1][2] = {{0}}, width[DEPTH + 1][2] = {{1.0, 1.0}};

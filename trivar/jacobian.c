@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// det dT/d(u,v,w) = sum_k J_k w^k over the whole shell: the boxes of its grid
-// put side by side.
+// det dT/d(u,v,w) = sum_k J_k w^k over the whole shell: the boxes of its grid put side by side.
 #include "kernel/context.h"
 #include "trivar/internal.h"
 

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Bounds of det dT/d(u,v,w) from coefficients.
 //
-// Over each box det = sum_k w^k j_k / d: at every (u,v) a mean of the quotients
-// of coefficients, weighted by d's, which are positive. Each of them is a
-// polynomial in w.
+// Over each box det = sum_k w^k j_k / d: at every (u,v) a mean of the quotients of coefficients, weighted by d's,
+// which are positive. Each of them is a polynomial in w.
 #include "kernel/context.h"
 #include "trivar/internal.h"
 
@@ -31,8 +30,7 @@ static range about_middle(const double *c, size_t step, int degree, double w0, d
     return (range){q[0] - reach, q[0] + reach};
 }
 
-// The same: of a quadratic its ends and, when inside, the vertex; above that
-// slices.
+// The same: of a quadratic its ends and, when inside, the vertex; above that slices.
 static range in_heights(const double *c, size_t step, int degree, double w0, double w1)
 {
     enum { SLICES = 16 };
@@ -81,9 +79,8 @@ static range hull(const kn_shell_jacobian_piece *q, const double w[2])
     return all;
 }
 
-// The part of a volume's box with heights in [w0,w1]; the end boxes go on
-// beyond the domain, where coefficients and their errors grow by (1 + 2
-// reach)^degree. *none: there is no such part.
+// The part of a volume's box with heights in [w0,w1]; the end boxes go on beyond the domain, where coefficients and
+// their errors grow by (1 + 2 reach)^degree. *none: there is no such part.
 static kn_status cut_heights(kn_ctx *ctx, kn_shell_jacobian_piece *q, bool *none, const double w[2], bool first,
                              bool last)
 {
@@ -113,8 +110,7 @@ static kn_status split(kn_ctx *ctx, kn_shell_jacobian_piece *first, kn_shell_jac
     return status;
 }
 
-// Widens a->found to bounds over the box, which are subdivided as long as they
-// lie outside those wanted.
+// Widens a->found to bounds over the box, which are subdivided as long as they lie outside those wanted.
 static kn_status search(kn_ctx *ctx, aim *a, const kn_shell_jacobian_piece *q, int depth)
 {
     int nvars = q->j.nvars;

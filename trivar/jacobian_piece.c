@@ -89,8 +89,7 @@ static place locate(kn_box_map *map, const kn_shell *s, const int at[2])
     return p;
 }
 
-// What extraction leaves in a piece of a spline, in units of its largest
-// control point, which may exceed the piece.
+// What extraction leaves in a piece of a spline, in units of its largest control point, which may exceed the piece.
 static double extraction(const kn_spline *s)
 {
     int top = 8;

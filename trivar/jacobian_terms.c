@@ -1,30 +1,26 @@
 // SPDX-License-Identifier: Apache-2.0
-// det dT/d(u,v,w) over one box as a polynomial in w, with a bound of the
-// rounding of every coefficient.
+// det dT/d(u,v,w) over one box as a polynomial in w, with a bound of the rounding of every coefficient.
 //
-// T = sum_t f_t w^p_t, f_0 = S and p_0 = 0, so that T_u = sum f_t,u w^p_t, T_v
-// likewise, T_w = sum p_t f_t w^(p_t - 1):
+// T = sum_t f_t w^p_t, f_0 = S and p_0 = 0, so that T_u = sum f_t,u w^p_t, T_v likewise, T_w = sum p_t f_t w^(p_t -
+// 1):
 //     det = sum_r w^r J_r,  J_r = sum_c p_c f_c . X_(r - p_c + 1),  X_m =
 //     sum_(p_a + p_b = m) f_a,u x f_b,v.
-// For S = P/W all is times W^3, which divides what would be W^4: with A = P_u W
-// - P W_u (S_u = A / W^2), B likewise,
+// For S = P/W all is times W^3, which divides what would be W^4: with A = P_u W - P W_u (S_u = A / W^2), B likewise,
 //     W^3 S_u x S_v = W (P_u x P_v) - W_v (P_u x P) - W_u (P x P_v),  W^3 (S_u
 //     x g) = W (A x g).
 // A volume P/W, in all three variables:
 //     W^4 det = W (P_w . P_u x P_v) - P . (W_u (P_v x P_w) + W_v (P_w x P_u) +
 //     W_w (P_u x P_v)).
 //
-// Rounding: coefficients of a product are means of products of coefficients, so
-// that |a| |b| bounds them, gamma of the number of terms times that their
-// rounding, and e_a |b| + |a| e_b + e_a e_b what errors of a and b leave.
+// Rounding: coefficients of a product are means of products of coefficients, so that |a| |b| bounds them, gamma of
+// the number of terms times that their rounding, and e_a |b| + |a| e_b + e_a e_b what errors of a and b leave.
 #include "kernel/context.h"
 #include "trivar/internal.h"
 
 #include <math.h>
 
-// A function with the largest of its coefficient vectors, a bound of the error
-// of each, and how many rows of them are zero along each edge, exactly and by
-// structure: what a product inherits.
+// A function with the largest of its coefficient vectors, a bound of the error of each, and how many rows of them are
+// zero along each edge, exactly and by structure: what a product inherits.
 typedef struct factor {
     kn_bezier b;
     double size, error;
@@ -52,8 +48,7 @@ static void swap(factor *a, factor *b)
     *b = t;
 }
 
-// *out = a op b. Products that may underflow lose more than rounding: then
-// nothing is known.
+// *out = a op b. Products that may underflow lose more than rounding: then nothing is known.
 static kn_status multiply(kn_ctx *ctx, factor *out, const factor *a, const factor *b, operation op)
 {
     double bound = a->size * b->size;
@@ -72,8 +67,7 @@ static kn_status multiply(kn_ctx *ctx, factor *out, const factor *a, const facto
     return KN_OK;
 }
 
-// *sum += sign f; an empty sum is 0. Both are raised to common degrees on the
-// way.
+// *sum += sign f; an empty sum is 0. Both are raised to common degrees on the way.
 static kn_status add(kn_ctx *ctx, factor *sum, const factor *f, int sign)
 {
     kn_status status;
@@ -94,8 +88,7 @@ static kn_status add(kn_ctx *ctx, factor *sum, const factor *f, int sign)
     return status;
 }
 
-// *out = the derivative of f in variable var, per unit of the parameter: the
-// box is `width` wide.
+// *out = the derivative of f in variable var, per unit of the parameter: the box is `width` wide.
 static kn_status slope(kn_ctx *ctx, factor *out, const factor *f, int var, double width)
 {
     int degree = f->b.degree[var];
@@ -147,8 +140,7 @@ static void zero_row(kn_bezier *b, int var, int row)
         for (size_t k = 0; k < cross; k++) b->coef[c * count + row_place(b, var, row, k)] = 0.0;
 }
 
-// Rows of f from an edge inwards count as zero while they are within `slack`,
-// `most` of them, and become so.
+// Rows of f from an edge inwards count as zero while they are within `slack`, `most` of them, and become so.
 static void clear_rows(factor *f, int var, int end, int most, double slack)
 {
     int rows = f->b.degree[var] + 1, *zero = &f->zero[var][end];
@@ -161,9 +153,8 @@ static void clear_rows(factor *f, int var, int end, int most, double slack)
     }
 }
 
-// An edge along which a derivative of S, over the whole domain, is below 1e-12
-// of S's size has collapsed: S's derivative vanishes there, and so does that of
-// another field whose own is as small.
+// An edge along which a derivative of S, over the whole domain, is below 1e-12 of S's size has collapsed: S's
+// derivative vanishes there, and so does that of another field whose own is as small.
 static void collapse(factor (*d)[3], const kn_box_map *t)
 {
     for (int e = 0; e < 2 * t->nvars; e++)
@@ -225,8 +216,7 @@ static kn_status start(kn_ctx *ctx, work *w)
     return status;
 }
 
-// *out = W^3 (S_u x S_v) of the lower degree: as many rows are zero as in A x
-// B.
+// *out = W^3 (S_u x S_v) of the lower degree: as many rows are zero as in A x B.
 static kn_status numerator(kn_ctx *ctx, factor *out, work *w)
 {
     const kn_box_map *m = w->map;
@@ -353,9 +343,8 @@ static kn_status pack(kn_ctx *ctx, kn_shell_jacobian_piece *p, work *w, int top)
     return KN_OK;
 }
 
-// Divides the factor out that all J_r have along edges by structure.
-// Coefficient i of degree n is scaled by C(n, i+k) / C(n-k, i) <= n (n-1) ..
-// (n-k+1); raising the degree again costs rounding alone.
+// Divides the factor out that all J_r have along edges by structure. Coefficient i of degree n is scaled by C(n, i+k)
+// / C(n-k, i) <= n (n-1) .. (n-k+1); raising the degree again costs rounding alone.
 static kn_status divide(kn_ctx *ctx, kn_shell_jacobian_piece *p, const work *w, int top)
 {
     kn_status status = KN_OK;

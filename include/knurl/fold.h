@@ -55,7 +55,8 @@ typedef struct kn_fold_heights {
 // fails:  KN_ELIMIT as kn_shell_jacobian, KN_ENOMEM, KN_ECANCELLED; outputs unchanged.
 // error:  none: above and below are lower bounds, rounding included.
 // cost:   kn_shell_jacobian_piece_init for each box of the grid, twice where it comes near the least, and some us for
-//         each halving, limited by 2^24 coefficients; on the threads of the context, with the same result for any number of them.
+//         each halving, limited by 2^24 coefficients; on the threads of the context, with the same result for any
+//         number of them.
 // source: Elber 2005, "Modeling the geometric texture"; lower bounds from coefficients by halving.
 KN_API KN_CHECKED kn_status kn_fold_safe_heights(kn_ctx *ctx, kn_fold_heights *cells, kn_fold_heights *overall,
                                                  const kn_shell *shell);

@@ -90,7 +90,8 @@ static void curves_of_a_torus(void **state)
     test_ctx_end(ctx, &memory);
 }
 
-// z = -(x^2 + 0.7 y^2): at the top the radii are 1/2 and 1/1.4, so that below 1/2 J is 0 along a closed line around it.
+// z = -(x^2 + 0.7 y^2): at the top the radii are 1/2 and 1/1.4, so that a little below 1/2 J is 0 along a closed line
+// around it.
 static void make_bump(kn_ctx *ctx, kn_spline *out)
 {
     const double k[6] = {-1, -1, -1, 1, 1, 1}, line[3] = {-1, 0, 1}, square[3] = {1, -1, 1};
