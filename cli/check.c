@@ -141,7 +141,7 @@ static int examine(cli_session *session, check *c)
 
 int cli_command_check(int argc, char **argv)
 {
-    check c = {.job = cli_job_defaults(), .work = CHECK_WORK, .pixels = {1600, 1200}};
+    check c = {.job = cli_job_defaults(), .work = CHECK_WORK, .pixels = {1280, 960}};
     int code = read_arguments(&c, argc, argv);
     if (code == EXIT_OK) code = check_arguments(&c);
     if (code != EXIT_OK) return code < 0 ? EXIT_OK : code;

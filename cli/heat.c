@@ -233,7 +233,7 @@ static void make_ticks(const check *c, tick out[TICKS])
 
 static const char *quantity(const check *c)
 {
-    if (c->by_jacobian) return "Least Jacobian";
+    if (c->by_jacobian) return "Least Jacobian, share of the base's";
     if (c->range[0] < 0 && c->range[1] > 0) return "Safe height, both sides";
     return c->range[0] < 0 ? "Safe height below the base" : "Safe height above the base";
 }
@@ -310,8 +310,9 @@ static kn_status write_picture(kn_ctx *ctx, const check *c, const kn_scene *scen
     kn_render_options o = kn_render_defaults();
     o.width = width;
     o.height = top;
-    o.samples = 12; // nothing glitters
-    o.exposure = 0.35;
+    o.samples = 48; // a matt body, where speckles would be read as values
+    o.bounces = 1;
+    o.exposure = 0.1;
     kn_status status = kn_render(ctx, rgb, scene, &o);
     if (status == KN_OK) status = draw_legend(ctx, c, rgb + (size_t)width * (size_t)top * 3, width, height - top);
     if (status == KN_OK) status = kn_png_write(ctx, path, rgb, width, height, 3);

@@ -91,7 +91,7 @@ static const char check[] =
     "      --direction, --thickness, --attraction, --attraction-power, --normal, --normal-tol   as in apply\n"
     "  -o, --output OUT        .png: a picture with a legend; .glb .gltf: the base with colours; may be given many "
     "times\n"
-    "      --pixels W,H        of the picture (default 1600,1200)\n"
+    "      --pixels W,H        of the picture (default 1280,960)\n"
     "      --color safe-height|jacobian   what they show\n"
     "      --work N            boxes to visit in search of two places with one image (default 100000)\n"
     "      --unit mm|cm|m|in   unit of the base (default mm)\n"

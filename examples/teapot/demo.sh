@@ -1,6 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
-# The Utah teapot in chain mail, in scales and in diamond knurling: STEP, GLB, STL and a picture of each, and one table.
+# The Utah teapot in chain mail, in scales and in diamond knurling: STEP, GLB, STL and a picture of each, and one table;
+# and a picture of how high a texture may be where.
 # usage: demo.sh KNURL OUT      KNURL: the command; OUT: the folder for the results
 set -eu
 
@@ -46,5 +47,7 @@ printf '%-7s %6s %8s %7s %11s %12s %9s %8s %8s %8s %9s %9s\n' tile cells patches
 texture chain --size 0.42 --normal-tol 1e-4 --tol 0.008
 texture scale --size 0.36 --normal-tol 1e-4
 texture knurl --size 0.22 --normal-tol 1e-4
+echo "teapot, checked for a texture of height 0.2 ..." >&2
+"$knurl" check "$base" --height 0.2 --unit cm -q -o "$out/teapot-heat.png" || test $? = 4 # it folds at its foot
 cat "$out/table.txt"
 echo "pictures and files: $out"
