@@ -65,8 +65,9 @@ static void by_corners(kn_ctx *ctx, result *r, const kn_spline *s, const int cou
     kn_spline map = {0}, out = {0};
     const kn_cells_relax_options o = {.closed = {true, false}, .smooth = true};
     double start = bench_now(BENCH_THREAD);
+    // the tolerance is that of jobs
     check(ctx, kn_cells_relax(ctx, &map, s, count, &o));
-    check(ctx, kn_cells_fit(ctx, &out, &r->error, s, &map, 1e-3 * width));
+    check(ctx, kn_cells_fit(ctx, &out, &r->error, s, &map, 1e-4 * width));
     r->seconds = bench_now(BENCH_THREAD) - start;
     r->error /= width;
     check(ctx, kn_cells_measure(ctx, &r->spread, &out, NULL, NULL));
@@ -190,6 +191,7 @@ static void write_histograms(const char *folder, const base *b, const result r[W
 int main(int argc, char **argv)
 {
     kn_ctx *ctx;
+    double before[BASES], after[BASES];
     if (kn_ctx_create(&ctx, NULL) != KN_OK) return 1;
     printf("| base | cells | way | width | height | area | degree of S | distance | ms |\n"
            "|---|--:|---|--:|--:|--:|---|--:|--:|\n");
@@ -211,15 +213,17 @@ int main(int argc, char **argv)
                 double now = ratio(&r[w].spread, q), gain = ratio(&r[UNIFORM].spread, q) / now;
                 w == UNIFORM ? printf(" %.2f |", now) : printf(" %.2f (%.2f x) |", now, gain);
             }
-            printf(" %d, %d | %.1e | %.1f |\n", r[w].degree[0], r[w].degree[1], r[w].error, 1e3 * r[w].seconds);
+            printf(" %d, %d | ", r[w].degree[0], r[w].degree[1]);
+            w == FREE ? printf("%.1e", r[w].error) : printf("0");
+            printf(" | %.1f |\n", 1e3 * r[w].seconds);
         }
-        double before, after;
-        proportions(ctx, &before, &after, s, bases[b].count);
-        printf("%s, height over root of area between even lines: %.2f, with stretch %.3f\n", bases[b].name, before,
-               after);
+        proportions(ctx, &before[b], &after[b], s, bases[b].count);
         if (argc > 1) write_histograms(argv[1], &bases[b], r);
         kn_model_clear(ctx, &model);
     }
+    printf("\n| base | one height | stretch |\n|---|--:|--:|\n");
+    for (int b = 0; b < BASES; b++)
+        printf("| %s | %.2f | %.2f (%.1f x) |\n", bases[b].name, before[b], after[b], before[b] / after[b]);
     kn_ctx_destroy(ctx);
     return 0;
 }

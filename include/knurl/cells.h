@@ -133,8 +133,8 @@ typedef struct kn_cells_relax_options {
 //         closed variable it goes on as smoothly. The same bits every time.
 // fails:  KN_EDOMAIN count, lines, options, a surface without area; KN_EUNDECIDED lines so near that a cell is not certain to
 //         be without a fold at the start, or that no smooth map is; KN_ELIMIT, KN_ECANCELLED.
-// cost:   about 3 us a cell and iteration; it ends when four in turn gain less than 1e-5 of the energy each. 40 x 40
-//         cells of a patch of the teapot: 0.1 to 0.2 s.
+// cost:   about 1 us a cell and iteration; it ends when four in turn gain less than 1e-5 of the energy each. 40 x 40
+//         cells of a patch of the teapot: 0.09 to 0.28 s, smooth.
 // source: the exponentiated Hencky strain energy: Neff, Ghiba & Lankeit, J. Elasticity 121 (2015); L-BFGS: Nocedal &
 //         Wright, Numerical Optimization, chapter 7.
 KN_API KN_CHECKED kn_status kn_cells_relax(kn_ctx *ctx, kn_spline *map, const kn_spline *surface, const int count[2],
@@ -159,7 +159,8 @@ KN_API KN_CHECKED kn_status kn_cells_compose(kn_ctx *ctx, kn_spline *out, const 
 //         coordinates; KN_ECANCELLED, KN_ELIMIT.
 // error:  *error: from coefficients of the difference with each polynomial of S that occurs in a cell; 1.2 to 2 times
 //         the largest distance found by sampling.
-// cost:   about 50 us a cell for each bound, more for cells that cross knot lines, and few bounds.
+// cost:   about 50 us a cell for each bound, more for cells that cross knot lines, and few bounds: 40 x 40 cells of a
+//         patch of the teapot to 1e-5: 0.05 to 0.17 s.
 KN_API KN_CHECKED kn_status kn_cells_fit(kn_ctx *ctx, kn_spline *out, double *error, const kn_spline *surface,
                                          const kn_spline *map, double tolerance);
 
