@@ -4,8 +4,8 @@
 
 #include <math.h>
 
-// What the floors of the shares leave over goes to the largest remainders, what the minimum of one took too much comes
-// from the smallest.
+// What the floors of the shares leave over goes to the largest remainders, what the minimum of one took too much
+// comes from the smallest.
 void kn_cells_share(int *parts, const double *sums, int spans, int count)
 {
     double total = sums[spans] - sums[0];

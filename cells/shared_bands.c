@@ -102,8 +102,8 @@ static kn_status count_columns(kn_ctx *ctx, bands *b)
     return KN_OK;
 }
 
-// The nearest count to the geometric mean; where it is within 15 % the sum of the nearest counts of all knot spans, so
-// that their cells are as wide.
+// The nearest count to the geometric mean; where it is within 15 % the sum of the nearest counts of all knot spans,
+// so that their cells are as wide.
 static int band_count(const bands *b, int m, int first, int end)
 {
     double least = INFINITY, most = 0.0;

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // A factor for heights that follows the local stretch of S.
 //
-// With a(u,v) = |S_u x S_v| du(u) dv(v) / mean the wanted factor is t = P^(1/4), P = (a^2 + e^2) / (1 + e^2): a spline
-// over each cell, positive where a vanishes. h interpolates t. For rational S, |S_u x S_v|^2 = |N|^2 / W^6 with
+// With a(u,v) = |S_u x S_v| du(u) dv(v) / mean the wanted factor is t = P^(1/4), P = (a^2 + e^2) / (1 + e^2): a
+// spline over each cell, positive where a vanishes. h interpolates t. For rational S, |S_u x S_v|^2 = |N|^2 / W^6,
 //     N = W (P_u x P_v) - W_v (P_u x P) - W_u (P x P_v),
-// and h^4 / t^4 - 1 = D / T, D = (1 + e^2) W^6 h^4 - T, T = |N|^2 (du dv / mean)^2 + e^2 W^6. In Bernstein form of one
-// degree the quotient is at every point a mean of the quotients of coefficients, weighted by those of T > 0.
+// and h^4 / t^4 - 1 = D / T, D = (1 + e^2) W^6 h^4 - T, T = |N|^2 (du dv / mean)^2 + e^2 W^6. In Bernstein form of
+// one degree the quotient is at every point a mean of the quotients of coefficients, weighted by those of T > 0.
 #include "bezier/norm_bound.h"
 #include "cells/internal.h"
 #include "kernel/bounds.h"

@@ -82,8 +82,8 @@ static kn_status add_member(kn_ctx *ctx, edge_class *c, const kn_job_class *memb
     return status;
 }
 
-// The mean of length / size over the curves, no fewer than knot spans. Even lines: the sum of the nearest counts of the
-// spans, so that cells of all spans are as even, where that is within 15 % of it.
+// The mean of length / size over the curves, no fewer than knot spans. Even lines: the sum of the nearest counts of
+// the spans, so that cells of all spans are as even, where that is within 15 % of it.
 static double class_count(const edge_class *c)
 {
     double count = fmax(round(c->sum / c->curves), fmax(1.0, c->spans)), sum = 0.0;

@@ -26,8 +26,8 @@ static kn_status find_classes(kn_ctx *ctx, kn_job_class *classes, const kn_job_b
     return status;
 }
 
-// The bands of part `first` and of all later ones whose variable 1 is of its class. Where that class goes on along the
-// variable 0 of a surface, or meets itself backwards, there are no bands.
+// The bands of part `first` and of all later ones whose variable 1 is of its class. Where that class goes on along
+// the variable 0 of a surface, or meets itself backwards, there are no bands.
 static kn_status cut_class(kn_ctx *ctx, rows *r, int first)
 {
     int id = r->classes[2 * first + 1].id, n = 0, nbands, at = 0;

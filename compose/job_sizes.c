@@ -39,8 +39,8 @@ static double mean_cell_size(const kn_job_measure *measures, int (*counts)[2], i
     return sum / cells;
 }
 
-// The largest distance from the patch, u and v as long as `cell` and w as `w_length`, to its triangulation with `segments` in each
-// direction, measured in the middle of every edge of the triangles.
+// The largest distance from the patch, u and v as long as `cell` and w as `w_length`, to its triangulation with
+// `segments` in each direction, measured in the middle of every edge of the triangles.
 static kn_status measure_chord(kn_ctx *ctx, double *chord, const kn_bezier *patch, int segments, double cell,
                                double w_length)
 {

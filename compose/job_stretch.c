@@ -58,8 +58,8 @@ static void join_edges(const joined *j, const kn_job *job, const kn_spline *h)
 
 static const double least_stretch = 0.2497; // (cells.h)
 
-// Classes take their means, and none is below half of what the stretch can be: so h stays positive. change[s] = the most
-// that a coefficient of part s has moved.
+// Classes take their means, and none is below half of what the stretch can be: so h stays positive. change[s] = the
+// most that a coefficient of part s has moved.
 static void take_means(const joined *j, double *change, kn_spline *h, int n)
 {
     for (size_t i = 0; i < j->first[n]; i++) j->sum[i] = 0.0, j->members[i] = 0;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Cells of one size on a surface whose parameterization stretches: even lines, free corners, rows of different counts,
-// heights that follow the stretch, and how even the result is.
+// Cells of one size on a surface whose parameterization stretches: even lines, free corners, rows of different
+// counts, heights that follow the stretch, and how even the result is.
 #ifndef KNURL_CELLS_H
 #define KNURL_CELLS_H
 
@@ -11,7 +11,8 @@ extern "C" {
 #endif
 
 // Common to all below: surfaces have two variables and dimension 3, polynomial or rational (else KN_EDOMAIN). Outputs
-// are unchanged by a call that fails. All but what says so may fail with KN_ENOMEM and with what kn_spline_check finds.
+// are unchanged by a call that fails. All but what says so may fail with KN_ENOMEM and with what kn_spline_check
+// finds.
 
 // ---- how even are cells? ----
 
@@ -61,9 +62,10 @@ KN_API KN_CHECKED kn_status kn_cells_uniform_lines(kn_ctx *ctx, double **lines, 
                                                    int count);
 // The same, size and steps in length: with L(t) the length of S along var from the domain's start to t, averaged over
 // the other variable, a knot span gets cells in proportion to its part of L, and inside it lines are at equal steps
-// of L. So cells are as even as lines of one variable make them. A tile is only stretched, each cell by its own factors:
-// what is C0 on equal cells stays so, and what is G1 where it crosses a line at right angles or lies flat there (its
-// tangent plane contains the direction across the line); otherwise slopes on both sides differ as the widths do.
+// of L. So cells are as even as lines of one variable make them. A tile is only stretched, each cell by its own
+// factors: what is C0 on equal cells stays so, and what is G1 where it crosses a line at right angles or lies flat
+// there (its tangent plane contains the direction across the line); otherwise slopes on both sides differ as the
+// widths do.
 // fails:  KN_EDOMAIN var, count below the knot spans, no length, or lines so near that they fall together.
 // error:  that of L: Gauss's rule of 10 points on eighths of each knot span and its interpolant in between, inverted
 //         until steps are below 1e-15 of a span. Measured against closed forms: lines within 1e-12 of the domain.
@@ -90,20 +92,20 @@ typedef struct kn_cells_band {
     double lo, hi; // in variable 1
     int count[2];  // cells of the band
 } kn_cells_band;
-// *bands, *nbands of them for kn_free, from one end of variable 1 to the other: cells near size[0] x size[1]. Rows are
-// those of kn_cells_even_lines; in a band the lengths of rows along variable 0 differ by at most a factor 3/2, and its
-// count is the nearest to their geometric mean over size[0], or up to 15 % off where that suits the knot spans, so that
-// widths are within 1.23 (1.42) of size[0], but for the rounding of small counts and where knot spans ask for more
-// cells. At the border of two bands cells do not meet:
+// *bands, *nbands of them for kn_free, from one end of variable 1 to the other: cells near size[0] x size[1]. Rows
+// are those of kn_cells_even_lines; in a band the lengths of rows along variable 0 differ by at most a factor 3/2,
+// and its count is the nearest to their geometric mean over size[0], or up to 15 % off where that suits the knot
+// spans, so that widths are within 1.23 (1.42) of size[0], but for the rounding of small counts and where knot spans
+// ask for more cells. At the border of two bands cells do not meet:
 // tiles end there.
 // in:     sizes positive and finite.
 // fails:  KN_EDOMAIN sizes; KN_ELIMIT more than 65536 cells each way; and as kn_cells_even_lines.
 // error:  as kn_cells_measure. cost: of the lines, and some us a row and knot span.
 KN_API KN_CHECKED kn_status kn_cells_bands(kn_ctx *ctx, kn_cells_band **bands, int *nbands, const kn_spline *surface,
                                            const double size[2]);
-// Bands of n >= 1 surfaces side by side, along[i].var 1 and as for kn_cells_shared_lines: the same rows and borders for
-// all, each with its own counts. *bands: *nbands for each surface, one surface after the other, each in the order of
-// its own variable 1.
+// Bands of n >= 1 surfaces side by side, along[i].var 1 and as for kn_cells_shared_lines: the same rows and borders
+// for all, each with its own counts. *bands: *nbands for each surface, one surface after the other, each in the order
+// of its own variable 1.
 KN_API KN_CHECKED kn_status kn_cells_shared_bands(kn_ctx *ctx, kn_cells_band **bands, int *nbands,
                                                   const kn_cells_along *along, int n, const double size[2]);
 
@@ -128,11 +130,11 @@ typedef struct kn_cells_relax_options {
 // out:    corners on the edges of the domain stay on them, and its own four corners where they are. Lines of cells
 //         stay on knots at which S is C1 at most (kinks, the quarters of circles), corners slide along them. The cell
 //         that all should be has the mean area, and the proportion of the mean lengths of S both ways over the
-//         counts. The energy of the corners is that of the lines at most. smooth: through the corners, which are moved
-//         back to the lines as far as it takes to have no fold; C0 at knots where S is not C1; over the seam of a
-//         closed variable it goes on as smoothly. The same bits every time.
-// fails:  KN_EDOMAIN count, lines, options, a surface without area; KN_EUNDECIDED lines so near that a cell is not certain to
-//         be without a fold at the start, or that no smooth map is; KN_ELIMIT, KN_ECANCELLED.
+//         counts. The energy of the corners is that of the lines at most. smooth: through the corners, which are
+//         moved back to the lines as far as it takes to have no fold; C0 at knots where S is not C1; over the seam of
+//         a closed variable it goes on as smoothly. The same bits every time.
+// fails:  KN_EDOMAIN count, lines, options, a surface without area; KN_EUNDECIDED lines so near that a cell is not
+//         certain to be without a fold at the start, or that no smooth map is; KN_ELIMIT, KN_ECANCELLED.
 // cost:   about 1 us a cell and iteration; it ends when four in turn gain less than 1e-5 of the energy each. 40 x 40
 //         cells of a patch of the teapot: 0.09 to 0.28 s, smooth.
 // source: the exponentiated Hencky strain energy: Neff, Ghiba & Lankeit, J. Elasticity 121 (2015); L-BFGS: Nocedal &
@@ -173,14 +175,14 @@ typedef struct kn_cells_stretch_options {
 } kn_cells_stretch_options;
 // out = h, one component over S's domain, positive, near the local stretch
 //     t = ((a^2 + e^2) / (1 + e^2))^(1/4),  a = |S_u x S_v| du dv / mean,  e = 1/16,
-// which is sqrt(a) but for small a: at a pole, where a is 0, heights end at a quarter. du(u) and dv(v) are the sizes of
-// the cells, linear between lines and at a line the mean of the two cells there. With h as kn_shell_options.thickness
-// tiles keep their proportions.
+// which is sqrt(a) but for small a: at a pole, where a is 0, heights end at a quarter. du(u) and dv(v) are the sizes
+// of the cells, linear between lines and at a line the mean of the two cells there. With h as
+// kn_shell_options.thickness tiles keep their proportions.
 // in:     lines over the whole domain, every knot of S among them. options NULL: zeros.
 // out:    degree 1 .. 3 in both variables, its knots the lines, each once; interpolates t at Greville's sites.
 //         *error bounds |h - t| / t, rounding included.
-// fails:  KN_EDOMAIN lines, options, no area; KN_EUNDECIDED tolerance not met, as where S has a crease or is scaled so
-//         that its products overflow; KN_ELIMIT a polynomial S of degree above 13, a rational one of above 7;
+// fails:  KN_EDOMAIN lines, options, no area; KN_EUNDECIDED tolerance not met, as where S has a crease or is scaled
+//         so that its products overflow; KN_ELIMIT a polynomial S of degree above 13, a rational one of above 7;
 //         KN_ECANCELLED.
 // error:  *error. cost: about 100 us a cell and degree.
 KN_API KN_CHECKED kn_status kn_cells_stretch(kn_ctx *ctx, kn_spline *out, double *error, const kn_spline *surface,

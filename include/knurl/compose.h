@@ -122,8 +122,8 @@ KN_API KN_CHECKED kn_status kn_bezier_compose_outer_sensitivity(kn_ctx *ctx, kn_
 KN_API KN_CHECKED kn_status kn_bezier_compose_inner_sensitivity(kn_ctx *ctx, kn_bezier *out, const kn_bezier *outer,
                                                                 const kn_bezier *inner, int comp, const int *index);
 
-// out = T(D(r,t)) by symbolic composition of each term of the piece, sum_k term[k](u,v) w^power[k]: the reference for the
-// matrix below.
+// out = T(D(r,t)) by symbolic composition of each term of the piece, sum_k term[k](u,v) w^power[k]: the reference for
+// the matrix below.
 // in:     tile: D, any number of variables, three polynomial components (u, v, w), u and v in box coordinates, w in
 //         length units.
 // out:    initialised, overwritten, may be tile; rational if term[0] is.
@@ -177,24 +177,25 @@ typedef struct kn_job_options {
     double size[2]; // wanted cell size, length units; the nearest count is taken (but no fewer than knot spans, and
                     // for even lines up to 15 % off where that suits all spans), equal on edges that surfaces share.
                     // One given: for both. None: 1/20 of the base's diagonal
-    // Of w = 1 above the base, negative below; 0: the tile's aspect times the mean cell size. In length units, or what
-    // thickness and direction make of it. Over a volume it is a fraction: 0 stands for 1, from one face to the other.
+    // Of w = 1 above the base, negative below; 0: the tile's aspect times the mean cell size. In length units, or
+    // what thickness and direction make of it. Over a volume it is a fraction: 0 stands for 1, from one face to the
+    // other.
     double height;
     double offset; // added to every height, in the same unit
     kn_job_side side;
     int quarter_turns; // of the tile in its cell
     kn_cells_spacing spacing;
-    // Rows of cells, across the surfaces' variable 1, may have different counts where S narrows (kn_cells_shared_bands,
-    // surfaces side by side alike). Cells of two bands do not meet at their border: tiles that reach over it go on over
-    // the same surface, among the cells there. Casual tiles and sizes alone. Where variable 1 meets a neighbour's
-    // variable 0 at an edge, both stay whole.
+    // Rows of cells, across the surfaces' variable 1, may have different counts where S narrows
+    // (kn_cells_shared_bands, surfaces side by side alike). Cells of two bands do not meet at their border: tiles
+    // that reach over it go on over the same surface, among the cells there. Casual tiles and sizes alone. Where
+    // variable 1 meets a neighbour's variable 0 at an edge, both stay whole.
     bool rows;
     // Heights follow the local stretch: the thickness is multiplied by kn_cells_stretch (of degree 2, or 1 where
     // max_degree leaves no room), made one on edges that surfaces share. Not for volumes.
     bool stretch;
     double cells_tol; // of S(map) with KN_CELLS_FREE, length units; 0: 1e-4 of a cell
-    // The shell. Splines over [0,1]^2, which stands for each surface's domain; NULL: none (shell.h). Their knots become
-    // knots of S: cells have lines there. Not for volumes.
+    // The shell. Splines over [0,1]^2, which stands for each surface's domain; NULL: none (shell.h). Their knots
+    // become knots of S: cells have lines there. Not for volumes.
     kn_normal_method normal;
     const kn_spline *direction, *thickness, *attraction;
     int attraction_power;
@@ -215,8 +216,9 @@ typedef struct kn_job_report {
     kn_normal_certificate normal; // over all pieces in use
     double normal_tol;            // in force
     int max_degree;               // in force
-    // Bound of |patch - T(D)| where a stand-in for n is used, length units, the thickness included; 0: none is. Where D reaches beyond the
-    // surface's domain T(D) is S + w times its unit normal there, and not kn_shell_eval, which extends n.
+    // Bound of |patch - T(D)| where a stand-in for n is used, length units, the thickness included; 0: none is. Where
+    // D reaches beyond the surface's domain T(D) is S + w times its unit normal there, and not kn_shell_eval, which
+    // extends n.
     double stand_in_error;
     double jacobian_lo, jacobian_hi; // kn_shell_jacobian_bounds over the heights that the tile occupies
     kn_cells_spread spread;          // of all cells
@@ -266,16 +268,16 @@ KN_API void kn_sink_close(kn_ctx *ctx, kn_sink *sink); // idempotent
 
 typedef struct kn_job kn_job;
 
-// Plans tile x cells over the surfaces (dim 3, two variables, or all of them volumes of three; copied, as the tile is).
-// Counts, shells and subdivisions are decided here. A surface with creases (kn_shell_split_creases, a tenth of
-// normal_tol) is taken in parts, each with a shell of its own, unless a direction is given: a tile that reaches over a
-// crease goes on over the extended surface of its own side, and a count is shared among the parts.
+// Plans tile x cells over the surfaces (dim 3, two variables, or all of them volumes of three; copied, as the tile
+// is). Counts, shells and subdivisions are decided here. A surface with creases (kn_shell_split_creases, a tenth of
+// normal_tol) is taken in parts, each with a shell of its own, unless a direction is given: a tile that reaches over
+// a crease goes on over the extended surface of its own side, and a count is shared among the parts.
 //
 // A tile patch that crosses cell lines along its own parameter lines is cut there and continues in the next cell
-// (wrapped where the surface is closed, on the surface at the other side of a shared edge where cell lines, normals, to
-// ten normal_tol, and fields go on over it, and else on its own extended surface); otherwise it keeps its cell, over a
-// box that reaches beyond it. Where no polynomial normal of low degree over the whole cell is within normal_tol,
-// patches are composed over smaller boxes and bisected as needed.
+// (wrapped where the surface is closed, on the surface at the other side of a shared edge where cell lines, normals,
+// to ten normal_tol, and fields go on over it, and else on its own extended surface); otherwise it keeps its cell,
+// over a box that reaches beyond it. Where no polynomial normal of low degree over the whole cell is within
+// normal_tol, patches are composed over smaller boxes and bisected as needed.
 //
 // out:    *out, ended by kn_job_destroy.
 // fails:  as kn_shell_create, kn_spline_check and kn_tile_check; KN_EDOMAIN options negative or not finite, fewer
@@ -288,15 +290,15 @@ KN_API KN_CHECKED kn_status kn_job_create(kn_ctx *ctx, kn_job **out, const kn_sp
                                           const kn_tile *tile, const kn_job_options *options);
 KN_API void kn_job_destroy(kn_ctx *ctx, kn_job *job);
 KN_API kn_job_report kn_job_describe(const kn_job *job);
-// The tile as placed (rotated), whose parts patches refer to; and the shell of one surface of the job, 0 .. nparts - 1
-// (NULL: no such).
+// The tile as placed (rotated), whose parts patches refer to; and the shell of one surface of the job, 0 .. nparts -
+// 1 (NULL: no such).
 KN_API const kn_tile *kn_job_tile(const kn_job *job);
 KN_API const kn_shell *kn_job_shell(const kn_job *job, int surface);
 // Which surface of the base a surface of the job is a part of (-1: no such surface), and the number of its first cell
 // among the cells of that one (NULL: not wanted).
 KN_API int kn_job_origin(const kn_job *job, int surface, int first_cell[2]);
-// The cell lines of a surface of the job in variable var, in its own parameters: kn_shell_cells + 1 numbers. NULL: no such
-// surface.
+// The cell lines of a surface of the job in variable var, in its own parameters: kn_shell_cells + 1 numbers. NULL: no
+// such surface.
 KN_API const double *kn_job_lines(const kn_job *job, int surface, int var);
 // Where the (u,v) of a tile patch count from: the corner of this cell, which is [0,1]^2, of a surface of the job.
 typedef struct kn_patch_place {

@@ -53,8 +53,8 @@ static double parameter(const kn_job *job, int surface, int var, double cells)
     return line[i] + (cells - i) * (line[i + 1] - line[i]);
 }
 
-// Every stride-th patch of a tile within its cells, at random parameters, against S + w n: within the certificate times
-// |w|, and 1e-12 of coordinates below 10 for rounding.
+// Every stride-th patch of a tile within its cells, at random parameters, against S + w n: within the certificate
+// times |w|, and 1e-12 of coordinates below 10 for rounding.
 static void check_patches(kn_ctx *ctx, const kn_job *job, const scene_result *r, size_t stride)
 {
     test_rng rng = test_random(5);
@@ -170,9 +170,9 @@ static size_t edge_points(kn_ctx *ctx, double *to, const scene_result *r, int su
 }
 
 // The dome covers the cell and is 0 on its border: on an edge that two patches of the body share, the corners of one
-// side are those of the other's, bit for bit where both run the same way, else within the rounding of a restriction to
-// the cell, gamma(6 p + 1) each way, below 1e-14 of coordinates below 4; and so are points in between, of higher degrees
-// with as many roundings: 1e-13.
+// side are those of the other's, bit for bit where both run the same way, else within the rounding of a restriction
+// to the cell, gamma(6 p + 1) each way, below 1e-14 of coordinates below 4; and so are points in between, of higher
+// degrees with as many roundings: 1e-13.
 static void neighbours_meet(void **state)
 {
     (void)state;
@@ -249,9 +249,9 @@ static double end_slope(kn_ctx *ctx, const kn_bezier *b, double r)
     return d[5] / d[3];
 }
 
-// Lines at u = 1/4 .. 1 by length of (u^2): widths in parameter differ, lengths of cells do not, and slopes agree across
-// lines. With uniform lines lengths differ: a sheet that lies flat at lines has no kink, one with slope w' has slopes
-// w' / width.
+// Lines at u = 1/4 .. 1 by length of (u^2): widths in parameter differ, lengths of cells do not, and slopes agree
+// across lines. With uniform lines lengths differ: a sheet that lies flat at lines has no kink, one with slope w' has
+// slopes w' / width.
 static void smoothness_across_cells(void **state)
 {
     (void)state;
