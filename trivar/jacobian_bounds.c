@@ -177,6 +177,7 @@ kn_status kn_shell_jacobian_bounds(kn_ctx *ctx, double *lo, double *hi, const kn
             status = cut_heights(ctx, &q, &none, a.w, at[2] == 0, at[2] == boxes[2] - 1);
         if (status == KN_OK && !none) status = search(ctx, &a, &q, 0);
         kn_shell_jacobian_piece_clear(ctx, &q);
+        if (status == KN_OK) status = kn_progress(ctx, "Jacobian", (double)(k + 1) / (double)n);
     }
     if (status == KN_OK) *lo = a.found.lo, *hi = a.found.hi;
     return status;

@@ -103,12 +103,13 @@ KN_API KN_CHECKED kn_status kn_shell_eval(kn_ctx *ctx, double point[3], double *
 KN_API KN_CHECKED kn_status kn_shell_unit_normal(kn_ctx *ctx, double normal[3], const kn_shell *shell, double u,
                                                  double v);
 
-// Bounds of det dT/d(u,v,w) over the cells for w in [w0,w1]: *lo <= det <= *hi, rounding included (source: J is a
-// quadratic in w with coefficients that are splines over (u,v)). The unit: length^3 per parameter^2 length. The
-// bounds lie within about 2 % of the range outside the true ones; at a pole det is 0 and lo is 0 less the rounding.
-// Where numbers over- or underflow they are -INFINITY and INFINITY.
-// fails: KN_EDOMAIN (w0 > w1, not finite), KN_ELIMIT (degree 4 p + 3 degree of n above KN_MAX_DEGREE for a rational S
-//        of degree p), KN_ENOMEM; outputs unchanged. cost: about 100 us for each span of n.
+// Bounds of det dT/d(u,v,w) over the cells for w in [w0,w1]: *lo <= det <= *hi, rounding included, for shells of every
+// kind (source: det is a polynomial in w with coefficients that are splines over (u,v); kn_shell_jacobian). The unit:
+// length^3 per parameter^2 and unit of w. The bounds lie within about 2 % of the range outside the true ones (T with
+// an attraction: a little more); at a pole det is 0 and lo is 0 less the rounding. Where numbers over- or underflow
+// they are -INFINITY and INFINITY.
+// fails:  KN_EDOMAIN (w0 > w1, not finite), KN_ELIMIT as kn_shell_jacobian, KN_ENOMEM, KN_ECANCELLED; outputs
+//         unchanged. cost: about 60 us for each span of n.
 KN_API KN_CHECKED kn_status kn_shell_jacobian_bounds(kn_ctx *ctx, double *lo, double *hi, const kn_shell *shell,
                                                      double w0, double w1);
 
