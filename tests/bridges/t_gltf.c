@@ -628,9 +628,56 @@ static void running_out_of_memory_leaves_nothing(void **state)
     remove(path);
 }
 
+// ---- scenes with colours ----
+
+static void colors_come_back(void **state)
+{
+    (void)state;
+    test_memory memory = TEST_MEMORY_INIT;
+    kn_ctx *ctx = test_ctx(&memory, 1);
+    char path[TEST_PATH_BYTES];
+    test_tmp_path(path, "colors.glb");
+    double position[9] = {0, 0, 0, 1, 0, 0, 0, 1, 0}, normal[9] = {0, 0, 1, 0, 0, 1, 0, 0, 1};
+    uint32_t triangle[3] = {0, 1, 2};
+    float color[9] = {0.25F, 0.5F, 0.75F, 0, 1, 0, 1, 0, 0.125F};
+    kn_scene_item item = {
+        .mesh = {.nvertices = 3, .ntriangles = 1, .position = position, .normal = normal, .triangle = triangle},
+        .material = {{1, 1, 1}, 0, 0.5},
+        .color = color};
+    kn_gltf_options o = {.unit_mm = 1000, .extras = "{\"legend\":{\"unit\":\"mm\",\"stops\":[1,2.5,true]}}"};
+    assert_int_equal(kn_gltf_write(ctx, path, &(kn_scene){&item, 1}, &o), KN_OK);
+    kn_scene scene = {0};
+    assert_int_equal(kn_gltf_read(ctx, &scene, path), KN_OK);
+    assert_int_equal(scene.nitems, 1);
+    assert_memory_equal(scene.items[0].color, color, sizeof color);
+    assert_int_equal(scene.items[0].mesh.ntriangles, 1);
+    assert_true(scene.items[0].material.roughness == 0.5);
+    glb g = open_glb(path);
+    assert_non_null(member(g.json, "asset"));
+    const char *extras = member(member(g.json, "asset"), "extras");
+    assert_non_null(extras);
+    assert_true(strtod(element(member(member(extras, "legend"), "stops"), 1), NULL) == 2.5);
+    close_glb(&g);
+
+    // What is refused leaves nothing.
+    remove(path);
+    triangle[1] = 3;
+    assert_int_equal(kn_gltf_write(ctx, path, &(kn_scene){&item, 1}, NULL), KN_EDOMAIN);
+    triangle[1] = 1;
+    item.mesh.normal = NULL;
+    assert_int_equal(kn_gltf_write(ctx, path, &(kn_scene){&item, 1}, NULL), KN_EDOMAIN);
+    item.mesh.normal = normal;
+    assert_int_equal(kn_gltf_write(ctx, path, &(kn_scene){&item, 1}, &(kn_gltf_options){.extras = "{"}), KN_EIO);
+    assert_nothing_at(path);
+    assert_int_equal(kn_gltf_write(ctx, "x.stl", &(kn_scene){&item, 1}, NULL), KN_EDOMAIN);
+    kn_scene_clear(ctx, &scene);
+    test_ctx_end(ctx, &memory);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(colors_come_back),
         cmocka_unit_test(the_file_is_what_the_specification_says),
         cmocka_unit_test(wide_indices_where_they_are_needed),
         cmocka_unit_test(reading_gives_back_what_was_written),
