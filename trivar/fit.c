@@ -64,8 +64,8 @@ static kn_status value_row(kn_ctx *ctx, values *w, int i)
 
 // ---- edges that are one point ----
 
-// The normals along a pole become one vector bit for bit, and so does T there: a point of S stays one fibre, without a
-// slit. At an apex each parameter line keeps its own limit.
+// The normals along a pole become one vector bit for bit, and so does T there: a point of S stays one fibre, without
+// a slit. At an apex each parameter line keeps its own limit.
 static void unify_edge(values *w, int var, bool at_end)
 {
     size_t nu = (size_t)w->u->count, nv = (size_t)w->v->count, plane = nu * nv;

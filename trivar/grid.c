@@ -62,8 +62,8 @@ static bool divided_beyond(const kn_shell *s, int var, int k)
 }
 
 // S is C^(degree - times) there and n once less. Where that says nothing, S may still be smooth as a shape, as the
-// arcs of a rational circle are: n is joined where both sides agree to a tenth of the tolerance. N m needs more, for m
-// is as smooth as N is, which knows how fast S runs and not only where.
+// arcs of a rational circle are: n is joined where both sides agree to a tenth of the tolerance. N m needs more, for
+// m is as smooth as N is, which knows how fast S runs and not only where.
 static int continuity(const kn_shell *s, int var, int k, int times)
 {
     bool exact = s->method == KN_NORMAL_EXACT_DIRECTION;

@@ -14,7 +14,8 @@ typedef struct kn_direction {
     int order[2][2]; // [variable][end]: how often x or (1 - x) was divided out
 } kn_direction;
 
-// A spline that T is made of, beside n: whole, over the knot spans of S, and over the cells. Its knots are knots of S.
+// A spline that T is made of, beside n: whole, over the knot spans of S, and over the cells. Its knots are knots of
+// S.
 typedef struct kn_shell_field {
     kn_spline whole;
     kn_bezier *span, *cell; // nspans and ncells of them
@@ -27,9 +28,9 @@ typedef enum kn_shell_kind {
     KN_SHELL_VOLUME,    // T = the volume
 } kn_shell_kind;
 
-// T = S + w h n + sum_t field[t] w^power. `n` is there in shells of KN_SHELL_NORMAL alone, with all that belongs to it
-// (direction, certificates); the h of KN_SHELL_DIRECTION is in field[0] already. A volume with one span in w is held
-// as its powers of w and as it is; with several (kn_shell_has_terms is false) only as it is.
+// T = S + w h n + sum_t field[t] w^power. `n` is there in shells of KN_SHELL_NORMAL alone, with all that belongs to
+// it (direction, certificates); the h of KN_SHELL_DIRECTION is in field[0] already. A volume with one span in w is
+// held as its powers of w and as it is; with several (kn_shell_has_terms is false) only as it is.
 struct kn_shell {
     kn_shell_kind kind;
     kn_spline surface, normal;

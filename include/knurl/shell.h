@@ -41,26 +41,27 @@ typedef struct kn_shell_options {
     const double *lines[2];
     int nlines[2];
     double normal_tol; // the largest length error and angle error allowed; 0: 1e-6
-    // Of n in one variable, of m where n = N m; at least 3, lowered where S has high degrees (as below). 0: 5, or 3 for
-    // m, of which the degree of N m is made: more leave fewer spans.
+    // Of n in one variable, of m where n = N m; at least 3, lowered where S has high degrees (as below). 0: 5, or 3
+    // for m: more leave fewer spans, but tiles compose to higher degrees.
     int max_degree;
-    int max_spans;     // knot intervals of n in one variable, beyond which refinement gives up; 0: 4096
+    int max_spans; // knot intervals of n in one variable, beyond which refinement gives up; 0: 4096
 } kn_shell_options;
 
 KN_API kn_shell_options kn_shell_defaults(void);
 
-// The shell of a surface (nvars 2, dim 3, polynomial or rational), which is copied. N is S_u x S_v over each knot span,
-// with the factors that vanish along its edges divided out exactly (of S = P/W: W^3 times it). The knots of n contain
-// the cell lines, and more lines where the tolerance asks for them.
-//   KN_NORMAL_FITTED: degrees 3 .. max_degree in each variable, the lowest that do; C2 or smoother wherever S is C3 or
-// smoother. n interpolates N/|N|, so that its coefficients along an edge depend on N/|N| and on the knots along that
-// edge alone; where S is one point with one normal, n is one vector.
-//   KN_NORMAL_EXACT_DIRECTION: degrees of N plus 3 .. max_degree. n = N m, m a spline that interpolates 1/|N|: the
-// angle error is rounding. n is as smooth as S_u x S_v and m. Along an edge that two surfaces share, and where they
-// touch, their n agree when |S_u x S_v| of the two is the same but for one factor, and else to the tolerance, in length
-// alone; at a pole too the length varies by as much. Beside a factor that was divided out n is C0 on the next line.
-//   At a knot where S is C1 or less n is joined if both sides agree (of N m: in length too, but for one factor along the
-// line), and else it jumps there.
+// The shell of a surface (nvars 2, dim 3, polynomial or rational), which is copied. N is S_u x S_v over each knot
+// span, with the factors that vanish along its edges divided out exactly (of S = P/W: W^3 times it). The knots of n
+// contain the cell lines, and more lines where the tolerance asks for them.
+// KN_NORMAL_FITTED: degrees 3 .. max_degree in each variable, the lowest that do; C2 or smoother wherever S is C3 or
+//         smoother. n interpolates N/|N|, so that its coefficients along an edge depend on N/|N| and on the knots
+//         along that edge alone; where S is one point with one normal, n is one vector.
+// KN_NORMAL_EXACT_DIRECTION: degrees of N plus 3 .. max_degree. n = N m, m a spline that interpolates 1/|N|: the
+//         angle error is rounding. n is as smooth as S_u x S_v and m. Along an edge that two surfaces share, and where
+//         they touch, their n agree when |S_u x S_v| of the two is the same but for one factor, and else to the
+//         tolerance, in length alone; at a pole too the length varies by as much. Beside a factor that was divided
+//         out n is C0 on the next line.
+// At a knot where S is C1 or less n is joined if both sides agree (of N m: in length too, but for one factor along
+// the line), and else it jumps there.
 // out:    *out is the caller's: kn_shell_destroy. A shell is never written to afterwards: any number of threads may
 //         use it, each with a context of its own.
 //         With a direction of its own S needs no normal, and is not asked for one.
@@ -69,8 +70,8 @@ KN_API kn_shell_options kn_shell_defaults(void);
 //         it, in the parameters and in space), KN_EUNDECIDED (normal_tol not met within max_spans, or below about
 //         1e-12, what rounding leaves; a surface so wild that the search for points without a normal would take some
 //         seconds), KN_ELIMIT (more cells than max_spans, max_degree above 12, a degree p of S with 2 p - 1, of a
-//         rational S 3 p - 1, above KN_MAX_DEGREE - 3, with an exact direction above KN_MAX_DEGREE / 2 - 3: N and n are
-//         multiplied), KN_ENOMEM.
+//         rational S 3 p - 1, above KN_MAX_DEGREE - 3, with an exact direction above KN_MAX_DEGREE / 2 - 3: N and n
+//         are multiplied), KN_ENOMEM.
 // error:  kn_shell_certificate bounds the whole of it; docs/normals.md.
 // cost:   about 20 us for each span of n and round of refinement, twice that with an exact direction; a patch of the
 //         Utah teapot at 1e-6: 3 to 150 ms.

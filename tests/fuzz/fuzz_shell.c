@@ -36,6 +36,7 @@ static kn_shell_options make_shell_options(feed *f)
             if (n > 1 && feed_byte(f) % 2) lines[0] = 0.0, lines[n - 1] = 1.0;
             options.lines[d] = lines, options.nlines[d] = n;
         }
+    if (feed_byte(f) % 4 == 3) options.normal = KN_NORMAL_EXACT_DIRECTION;
     return options;
 }
 
@@ -47,6 +48,9 @@ static void use_shell(feed *f, const kn_shell *shell)
     kn_shell_piece piece;
     kn_shell_cells(shell, cells);
     kn_shell_closed(shell, closed);
+    kn_shell_edge edges[2][2];
+    kn_shell_edges(shell, edges);
+    if (edges[0][0].order < 0 || edges[1][1].kind > KN_EDGE_APEX) abort();
     if (kn_shell_surface(shell)->nvars != 2 || kn_shell_normal(shell)->nvars != 2 || cells[0] < 1) abort();
     if (!kn_shell_certificate(shell).certified) abort();
     feed_any(kn_shell_eval(f->ctx, point, jacobian, shell, feed_number(f), feed_number(f), feed_number(f)));

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// kn_shell_edges, and normals where factors of S_u x S_v vanish: edges that are points, to any order, two of them that
-// meet, edges along which S_v vanishes, an apex, and places that have no normal at all.
+// kn_shell_edges, and normals where factors of S_u x S_v vanish: edges that are points, to any order, two of them
+// that meet, edges along which S_v vanishes, an apex, and places that have no normal at all.
 #include "tests/trivar/surfaces.h"
 
 #include <knurl/construct.h>
@@ -127,8 +127,8 @@ static void expect_normal(kn_ctx *ctx, const kn_shell *shell, const char *name, 
     assert_int_equal(kn_spline_eval(ctx, n, kn_shell_normal(shell), at), KN_OK);
     assert_int_equal(kn_shell_unit_normal(ctx, unit, shell, u, v), KN_OK);
     for (int k = 0; k < 3; k++) off += (n[k] - wanted[k]) * (n[k] - wanted[k]);
-    // A direction of bidegree (11,11) at most, divided up to three times: each coefficient is exact to some 100 ulps of
-    // the largest, and |N| is above 1/100 of that.
+    // A direction of bidegree (11,11) at most, divided up to three times: each coefficient is exact to some 100 ulps
+    // of the largest, and |N| is above 1/100 of that.
     if (!(test_max_difference(unit, wanted, 3) <= 1e-11))
         fail_msg("%s: unit normal at (%g, %g) is off by %g", name, u, v, test_max_difference(unit, wanted, 3));
     if (!(sqrt(off) <= c.length_error + c.angle_error + 1e-11))

@@ -21,7 +21,8 @@ static int times(const kn_spline *s, int v, int i)
     return n;
 }
 
-// The degree of N plus 3: 2 p - 1 of a polynomial of degree p, 3 p - 1 of a rational; a sphere's poles take two off in v.
+// The degree of N plus 3: 2 p - 1 of a polynomial of degree p, 3 p - 1 of a rational; a sphere's poles take two off
+// in v.
 static void degrees(void **state)
 {
     (void)state;

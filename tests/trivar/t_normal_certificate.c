@@ -48,8 +48,8 @@ static long double slope(const kn_spline *s, int var)
     return 2.0L * s->degree[var] / h * most;
 }
 
-// S_u x S_v from homogeneous values and derivatives f[0 .. 3 ncomp - 1]. A derivative sums fewer than 4 * 16 terms, of
-// which a rational one takes two sums, and the quotient rule multiplies by |S| / W: 1000 roundings cover all that.
+// S_u x S_v from homogeneous values and derivatives f[0 .. 3 ncomp - 1]. A derivative sums fewer than 4 * 16 terms,
+// of which a rational one takes two sums, and the quotient rule multiplies by |S| / W: 1000 roundings cover all that.
 static void find_normal(truth *t, size_t at, const long double *f)
 {
     long double d[2][3], length[2] = {0, 0}, across = 0.0L, *n = t->normal[at];
@@ -135,8 +135,9 @@ static void compare(worst *w, const truth *t, const kn_shell *shell, const char 
     free(n);
 }
 
-// A sum of 196 terms of at most 2^-53 each way is 1e-13 or more as soon as bounds are a-priori; poles, whose direction
-// is small beside its coefficients, take another factor of some tens: below this an angle is rounding alone.
+// A sum of 196 terms of at most 2^-53 each way is 1e-13 or more as soon as bounds are a-priori; poles, whose
+// direction is small beside its coefficients, take another factor of some tens: below this an angle is rounding
+// alone.
 static const double rounding = 1e-10;
 
 static void check(kn_ctx *ctx, const truth *parts, int n, const char *name, double tol, kn_normal_method method)

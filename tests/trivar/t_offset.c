@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Rational bases without loss: T of a sphere, a torus and a cylinder at height w is the sphere, torus or cylinder of a
-// radius larger by w, within |w| times the certificate of n.
+// Rational bases without loss: T of a sphere, a torus and a cylinder at height w is the sphere, torus or cylinder of
+// a radius larger by w, within |w| times the certificate of n.
 #include "tests/trivar/surfaces.h"
 
 #include <math.h>
@@ -34,9 +34,9 @@ static const solid solids[] = {
     {"cylinder", make_cylinder, 1.0, from_cylinder},
 };
 
-// T = S + w n. |n - N/|N|| is at most the length error and the angle error together, so that T is as near as |w| times
-// that to the true offset point; hence so is its distance from S to w. Rounding: values of S and n of degree 11 at
-// most in each variable, 2 (6 * 11 + 1) roundings of numbers below 4, and as many of the distance: 1e-13.
+// T = S + w n. |n - N/|N|| is at most the length error and the angle error together, so that T is as near as |w|
+// times that to the true offset point; hence so is its distance from S to w. Rounding: values of S and n of degree 11
+// at most in each variable, 2 (6 * 11 + 1) roundings of numbers below 4, and as many of the distance: 1e-13.
 static void check(kn_ctx *ctx, const solid *b, const kn_spline *s, kn_normal_method method, double tol)
 {
     kn_shell_options o = {.normal = method, .normal_tol = tol, .max_degree = 5};
