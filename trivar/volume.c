@@ -1,27 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // T as one trivariate spline.
-#include "kernel/binomial.h"
+#include "kernel/bernstein.h"
 #include "kernel/context.h"
 #include "trivar/internal.h"
 
 #include <math.h>
-
-// w^power over [w0,w1] in Bernstein form of a higher degree: coefficient j is the polar form at w0 (degree - j times)
-// and w1 (j times), the mean of the products over all choices of `power` of these numbers,
-//     sum_i C(j, i) C(degree - j, power - i) / C(degree, power) w1^i w0^(power - i).
-static void power_coefficients(double *out, int power, int degree, double w0, double w1)
-{
-    for (int j = 0; j <= degree; j++) {
-        out[j] = 0.0;
-        for (int i = 0; i <= power; i++) {
-            double product = kn_binomial(j, i) * kn_binomial(degree - j, power - i);
-            if (product == 0.0) continue;
-            for (int k = 0; k < power; k++) product *= k < i ? w1 : w0;
-            out[j] += product;
-        }
-        out[j] /= kn_binomial(degree, power);
-    }
-}
 
 static kn_status gather(kn_ctx *ctx, kn_spline *term, int *power, int *degree, const kn_shell *shell, int n)
 {
@@ -47,7 +30,7 @@ static kn_status combine(kn_ctx *ctx, kn_spline *out, const kn_spline *term, con
     if (status != KN_OK) return status;
     size_t points = kn_spline_count(first) * (size_t)first->ncomp, row = (size_t)top + 1;
     for (int t = 0; t < n; t++) {
-        power_coefficients(wk, power[t], top, w[0], w[1]);
+        kn_bernstein_power(wk, power[t], top, w[0], w[1]);
         for (size_t i = 0; i < points; i++)
             for (size_t j = 0; j < row; j++) v.coef[i * row + j] += term[t].coef[i] * wk[j];
     }

@@ -98,6 +98,26 @@ static void check_pieces(kn_ctx *ctx, const kn_shell *shell, const kn_shell_opti
     }
 }
 
+// Bounds over all cells contain every sample, and lie within a tenth of the samples' range outside them.
+static void check_bounds(kn_ctx *ctx, const kn_shell *shell, const kn_shell_options *o, test_rng *rng)
+{
+    const double w0 = -0.3, w1 = 0.4;
+    double lo[2], hi[2], least, most;
+    long double below = INFINITY, above = -INFINITY, t[3], j[9];
+    for (int v = 0; v < 2; v++) kn_spline_domain(kn_shell_surface(shell), v, &lo[v], &hi[v]);
+    assert_int_equal(kn_shell_jacobian_bounds(ctx, &least, &most, shell, w0, w1), KN_OK);
+    for (int i = 0; i < 3000; i++) {
+        double u = test_uniform(rng, lo[0], hi[0]), v = test_uniform(rng, lo[1], hi[1]);
+        if (i % 4 < 2) u = i % 4 ? lo[0] : hi[0]; // extremes are on edges mostly
+        if (i % 16 < 8) v = i % 16 < 4 ? lo[1] : hi[1];
+        direct_kind(t, j, shell, o, u, v, i % 3 == 0 ? w0 : i % 3 == 1 ? w1 : test_uniform(rng, w0, w1));
+        below = fminl(below, determinant(j)), above = fmaxl(above, determinant(j));
+    }
+    long double slack = 0.1L * (above - below);
+    if (!(below >= least && above <= most && below - least < slack && most - above < slack))
+        fail_msg("[%g, %g] but samples in [%Lg, %Lg]", least, most, below, above);
+}
+
 static void pieces(void **state)
 {
     (void)state;
@@ -135,6 +155,7 @@ static void fields(void **state)
         if (k % 4 == 3) o.direction = &d;
         kn_shell *shell = create(ctx, &s, &o);
         check_pieces(ctx, shell, &o, &rng, "fields");
+        check_bounds(ctx, shell, &o, &rng);
         kn_shell_destroy(ctx, shell);
         kn_spline_clear(ctx, &s);
         kn_spline_clear(ctx, &h);
@@ -163,6 +184,8 @@ static void volumes(void **state)
         kn_spline_domain(&volume, 2, &begin, &end);
         assert_int_equal(kn_shell_jacobian(ctx, &list, &n, &weight, shell), KN_OK);
         assert_true(n == 1 && list[0].nvars == 3 && weight == (volume.rational ? 4 : 0));
+        double least, most, from = 0.1 * (end - begin), to = 0.8 * (end - begin);
+        assert_int_equal(kn_shell_jacobian_bounds(ctx, &least, &most, shell, from, to), KN_OK);
         for (int k = 0; k < grid[0] * grid[1] * grid[2]; k++) {
             const int at[3] = {k / grid[2] / grid[1], k / grid[2] % grid[1], k % grid[2]};
             kn_shell_jacobian_piece p;
@@ -178,6 +201,7 @@ static void volumes(void **state)
                 }
                 long double det = volume_determinant(&volume, y), found = from_piece(&p, x, 0.0, &error);
                 long double off = 1e-8L * (1.0L + fabsl(det)); // of the differences
+                if (where[2] > from && where[2] < to) assert_true(det >= least - off && det <= most + off);
                 if (!(fabsl(found - det) <= error + off))
                     fail_msg("volume %d: %.17Lg, directly %.17Lg, bound %Lg", which, found, det, error);
                 // The spline of the whole, over the power of the weight.
