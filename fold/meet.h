@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Inside fold: what the search for places with one image works on. Charts are shells cut into Bezier pieces, glues say
-// which edges of charts are one, nodes are boxes of parameters with boxes around their images.
+// Inside fold: what the search for places with one image works on. Charts are shells cut into Bezier pieces, glues
+// say which edges of charts are one, nodes are boxes of parameters with boxes around their images.
 #ifndef FOLD_MEET_H
 #define FOLD_MEET_H
 
@@ -75,8 +75,8 @@ kn_status kn_meet_charts(kn_meet *m, const kn_shell *const *shells, int nshells)
 void kn_meet_clear(kn_meet *m);
 // T at a place of a chart; partials (NULL: not wanted) one after the other.
 kn_status kn_meet_point(kn_meet *m, double point[3], double partials[9], int chart, const double uvw[3]);
-// T over the part of a piece (its place among the pieces in each variable) in the box [lo,hi] of parameters, or a little
-// more: *from, *to receive the box that it is. *out in scratch, which the caller releases.
+// T over the part of a piece (its place among the pieces in each variable) in the box [lo,hi] of parameters, or a
+// little more: *from, *to receive the box that it is. *out in scratch, which the caller releases.
 kn_status kn_meet_restrict(kn_meet *m, kn_meet_patch *out, double from[3], double to[3], int chart, const int at[3],
                            const double lo[3], const double hi[3]);
 // Range [first,last] of the pieces that overlap [lo,hi] in a variable.

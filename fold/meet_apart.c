@@ -57,8 +57,8 @@ static void range(double *lo, double *hi, size_t *at, const kn_meet_cloud *c, co
     }
 }
 
-// Gilbert's iteration: v is a point of the hull of all differences a_i - b_j, moved towards the one that lies farthest
-// against it, as near to 0 as the segment comes. v . (a_i - b_j) > 0 for all is a plane between them.
+// Gilbert's iteration: v is a point of the hull of all differences a_i - b_j, moved towards the one that lies
+// farthest against it, as near to 0 as the segment comes. v . (a_i - b_j) > 0 for all is a plane between them.
 static bool find_plane(const kn_meet_cloud *a, const kn_meet_cloud *b, const double *start, double size)
 {
     enum { TURNS = 24 };
@@ -117,8 +117,8 @@ typedef struct part {
     double at[3]; // a place there
 } part;
 
-// How a part's node lies to one side of a plane: f = v . T - c >= slope s - touch, s the sum of the distances from the
-// ends, in parts of the node's box.
+// How a part's node lies to one side of a plane: f = v . T - c >= slope s - touch, s the sum of the distances from
+// the ends, in parts of the node's box.
 typedef struct lean {
     double slope, touch;
     double least, most; // weights
@@ -138,14 +138,14 @@ static double distance(const part *p, const kn_net *net, const double from[3], c
 }
 
 // With weights means of f_k >= slope s_k - touch are at least slope (least w / most w) s - touch.
-static void lean_of(lean *l, const part *part, const kn_meet_patch *p, const double from[3], const double to[3],
+static void lean_of(lean *l, const part *side, const kn_meet_patch *p, const double from[3], const double to[3],
                     const double *v, double c)
 {
     size_t n = p->net.count;
     double error = 0.0, least = INFINITY;
     for (size_t k = 0; k < n; k++) {
         double w = p->rational ? p->coef[3 * n + k] : 1.0, f = -c, size = fabs(c);
-        double s = distance(part, &p->net, from, to, k);
+        double s = distance(side, &p->net, from, to, k);
         for (int d = 0; d < 3; d++) {
             double x = p->coef[(size_t)d * n + k] / w;
             f += v[d] * x;
@@ -170,11 +170,11 @@ typedef struct sums {
     size_t n, shared;
 } sums;
 
-static void add_points(sums *sum, const part *part, const kn_meet_patch *p, const double from[3], const double to[3])
+static void add_points(sums *sum, const part *side, const kn_meet_patch *p, const double from[3], const double to[3])
 {
     size_t n = p->net.count;
     for (size_t k = 0; k < n; k++) {
-        bool in = distance(part, &p->net, from, to, k) == 0.0;
+        bool in = distance(side, &p->net, from, to, k) == 0.0;
         sum->shared += in, sum->n++;
         for (int d = 0; d < 3; d++) {
             double x = p->coef[(size_t)d * n + k] / (p->rational ? p->coef[3 * n + k] : 1.0);
@@ -185,9 +185,9 @@ static void add_points(sums *sum, const part *part, const kn_meet_patch *p, cons
 }
 
 // sum != NULL: adds the points of all pieces; else lean: how they lie.
-static kn_status survey(kn_meet *m, const part *part, sums *sum, lean *l, const double *v, double c)
+static kn_status survey(kn_meet *m, const part *side, sums *sum, lean *l, const double *v, double c)
 {
-    const kn_meet_node *n = part->node;
+    const kn_meet_node *n = side->node;
     int at[3];
     for (at[0] = n->first[0]; at[0] <= n->last[0]; at[0]++)
         for (at[1] = n->first[1]; at[1] <= n->last[1]; at[1]++)
@@ -196,8 +196,8 @@ static kn_status survey(kn_meet *m, const part *part, sums *sum, lean *l, const 
                 double from[3], to[3];
                 kn_mark mark = kn_scratch_mark(m->ctx);
                 kn_status status = kn_meet_restrict(m, &p, from, to, n->chart, at, n->lo, n->hi);
-                if (status == KN_OK && sum) add_points(sum, part, &p, from, to);
-                if (status == KN_OK && !sum) lean_of(l, part, &p, from, to, v, c);
+                if (status == KN_OK && sum) add_points(sum, side, &p, from, to);
+                if (status == KN_OK && !sum) lean_of(l, side, &p, from, to, v, c);
                 kn_scratch_release(m->ctx, mark);
                 if (status != KN_OK) return status;
             }
@@ -205,10 +205,10 @@ static kn_status survey(kn_meet *m, const part *part, sums *sum, lean *l, const 
 }
 
 // From what is shared to the middle of the rest, across the fibre, of length 1; false when there is none.
-static kn_status direction(kn_meet *m, double out[3], bool *any, const part *part, const double *along)
+static kn_status direction(kn_meet *m, double out[3], bool *any, const part *side, const double *along)
 {
     sums sum = {0};
-    kn_status status = survey(m, part, &sum, NULL, NULL, 0.0);
+    kn_status status = survey(m, side, &sum, NULL, NULL, 0.0);
     if (status != KN_OK) return status;
     for (int d = 0; d < 3; d++)
         out[d] = sum.all[d] / (double)sum.n - sum.some[d] / (double)(sum.shared ? sum.shared : 1);
@@ -221,8 +221,8 @@ static kn_status direction(kn_meet *m, double out[3], bool *any, const part *par
 }
 
 // The plane through the shared fibre, whose direction is `along`, that halves the angle between the two. With
-// f >= slope s - touch on one side and <= -(slope s - touch) on the other equal images have slope s <= the sum of both
-// touches on both: that part of each box must be shorter than the resolution.
+// f >= slope s - touch on one side and <= -(slope s - touch) on the other equal images have slope s <= the sum of
+// both touches on both: that part of each box must be shorter than the resolution.
 static kn_status try_plane(kn_meet *m, bool *apart, const part side[2], const double *along, const double *point)
 {
     double v[3], d[2][3], touch = 0.0;
@@ -253,7 +253,13 @@ static kn_status try_plane(kn_meet *m, bool *apart, const part side[2], const do
     return KN_OK;
 }
 
-// The four corners of a node's (u,v); two that a pole makes one are given once. Returns how many.
+static bool is_end(const kn_meet_chart *c, const kn_meet_node *n, int var, int end)
+{
+    return end ? n->hi[var] >= c->breaks[var][c->nbreaks[var] - 1] : n->lo[var] <= c->breaks[var][0];
+}
+
+// Those of the four corners of a node's (u,v) that are corners of the chart, or lie at a pole, which makes two one.
+// Returns how many.
 static int corners(const kn_meet *m, part *out, const kn_meet_node *n)
 {
     const kn_meet_chart *c = &m->charts[n->chart];
@@ -261,10 +267,9 @@ static int corners(const kn_meet *m, part *out, const kn_meet_node *n)
     for (int i = 0; i < 4; i++) {
         int end[2] = {i / 2, i % 2}, pole = -1;
         for (int d = 0; d < 2; d++)
-            if (c->pole[d][end[d]] &&
-                (end[d] ? n->hi[d] >= c->breaks[d][c->nbreaks[d] - 1] : n->lo[d] <= c->breaks[d][0]))
-                pole = d;
+            if (c->pole[d][end[d]] && is_end(c, n, d, end[d])) pole = d;
         if (pole >= 0 && end[1 - pole] == 1) continue;
+        if (pole < 0 && !(is_end(c, n, 0, end[0]) && is_end(c, n, 1, end[1]))) continue;
         out[count] = (part){.node = n, .end = {end[0], end[1], -1}};
         if (pole >= 0) out[count].end[1 - pole] = -1;
         for (int d = 0; d < 2; d++) out[count].at[d] = end[d] ? n->hi[d] : n->lo[d];
@@ -302,20 +307,11 @@ static kn_status same_fibre(kn_meet *m, bool *same, double *along, double *point
     return KN_OK;
 }
 
-static bool at_edge(const kn_meet *m, const kn_meet_node *n)
-{
-    const kn_meet_chart *c = &m->charts[n->chart];
-    for (int d = 0; d < 2; d++)
-        if (n->lo[d] <= c->breaks[d][0] || n->hi[d] >= c->breaks[d][c->nbreaks[d] - 1]) return true;
-    return false;
-}
-
 kn_status kn_meet_fibre(kn_meet *m, bool *apart, int a, int b)
 {
     part x[4], y[4];
     *apart = false;
     if (!is_small(&m->nodes[a]) || !is_small(&m->nodes[b])) return KN_OK;
-    if (!at_edge(m, &m->nodes[a]) || !at_edge(m, &m->nodes[b])) return KN_OK;
     int nx = corners(m, x, &m->nodes[a]), ny = corners(m, y, &m->nodes[b]);
     for (int i = 0; i < nx && !*apart; i++)
         for (int j = 0; j < ny && !*apart; j++) {

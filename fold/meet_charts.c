@@ -14,8 +14,8 @@ static size_t piece_index(const kn_meet_chart *c, int i, int j, int k)
 }
 
 // Roundings behind a coefficient: S, n and the fields are made compatible and multiplied, which are convex
-// combinations, 6 a new knot or argument and less than 3 for each coefficient that meets in a product, and are cut into
-// pieces, 6 p + 1 in each variable. Bounded by the degrees p of T, all relative to its largest coefficient.
+// combinations, 6 a new knot or argument and less than 3 for each coefficient that meets in a product, and are cut
+// into pieces, 6 p + 1 in each variable. Bounded by the degrees p of T, all relative to its largest coefficient.
 static double roundings(const kn_spline *volume)
 {
     double n = 64.0;
@@ -110,8 +110,8 @@ static bool is_pole(const kn_meet_chart *c, int var, int end, double tolerance)
 
 // ---- all of it ----
 
-// The heights that the regions of a shell need, made symmetric about the base where the shell allows that: a neighbour
-// across an edge may count them the other way round.
+// The heights that the regions of a shell need, made symmetric about the base where the shell allows that: a
+// neighbour across an edge may count them the other way round.
 static bool heights(const kn_meet *m, double w[2], const kn_shell *shell, int index)
 {
     double limit[2];

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // T is injective on a convex domain where its derivative stays near one matrix.
 //
-// For places x, y of a convex domain H, on which T is continuous and piecewise smooth, T(y) - T(x) = M (y - x) with M a
-// mean of values of DT along the segment. Let A M = 1 + E and |E| <= K, element by element, for all of H. From
+// For places x, y of a convex domain H, on which T is continuous and piecewise smooth, T(y) - T(x) = M (y - x) with
+// M a mean of values of DT along the segment. Let A M = 1 + E and |E| <= K, element by element, for all of H. From
 // T(x) = T(y) follows |y - x| <= K |y - x|, and y = x when the spectral radius of K is below 1: when there is d > 0
 // with K d < d. Where T jumps by at most j across a line, T(y) - T(x) = M (y - x) + j and
 // |y - x| <= (1 - K)^-1 |A| j: places with one image are that near to each other, across that line.
@@ -87,8 +87,8 @@ static bool weigh(share *s)
 }
 
 // T's numerator less center * weight, so that T is small. Where the weight does not depend on w each layer of
-// coefficients has a center of its own, center(w), which T_u and T_v do not feel, and T_w meets no derivative of it but
-// its own, which is put back.
+// coefficients has a center of its own, center(w), which T_u and T_v do not feel, and T_w meets no derivative of it
+// but its own, which is put back.
 static void recenter(kn_meet_patch *p, const double *center, bool flat)
 {
     size_t n = p->net.count, layers = (size_t)p->net.degree[2] + 1;
@@ -238,7 +238,8 @@ static void weight_slopes(double slope[2], const share *s, const fan *f, double 
 }
 
 // With q of degrees (top, n) in (X, y), g = (X q)_X - y q_y has the same degrees:
-// ((X q)_X)_j = (j + 1) q_j - j q_(j-1), and (y q_y)_i = (1 - i/n) a q'_i + (i/n) b q'_(i-1) where y runs from a to b.
+// ((X q)_X)_j = (j + 1) q_j - j q_(j-1), and (y q_y)_i = (1 - i/n) a q'_i + (i/n) b q'_(i-1) where y runs from a to
+// b.
 static kn_status fan_columns(hull *h, const share *s)
 {
     fan f = {.t = s->p->pole, .y = 1 - s->p->pole, .turned = s->p->pole_end == 1, .net = &s->patch.net};
@@ -484,8 +485,10 @@ static kn_status looks_bent(kn_meet *m, bool *bent, const part *p)
     const double one[3] = {1.0, 1.0, 1.0};
     double x[3], point[3];
     for (int i = 0; i < 9; i++) {
-        for (int d = 0; d < 3; d++)
-            x[d] = i == 8 ? 0.5 * p->lo[d] + 0.5 * p->hi[d] : i >> d & 1 ? p->hi[d] : p->lo[d];
+        for (int d = 0; d < 3; d++) { // a little inside: the ends may be breaks, where the piece beyond would count
+            double t = i == 8 ? 0.5 : i >> d & 1 ? 1.0 - 0x1p-20 : 0x1p-20;
+            x[d] = p->lo[d] + t * (p->hi[d] - p->lo[d]);
+        }
         kn_status status = kn_meet_point(m, point, slope[i], p->chart, x);
         if (status != KN_OK) return status;
         for (int d = 0; d < 3; d++) {
@@ -528,7 +531,13 @@ static kn_status within(kn_meet *m, bool *injective, const kn_meet_node *a, cons
     open_fan(m, &p, -1.0, 1.0, 0.5);
     p.free[0] = p.free[1] = p.pole < 0;
     bool bent = false;
-    kn_status status = p.pole < 0 ? looks_bent(m, &bent, &p) : KN_OK;
+    int spans[2];
+    for (int d = 0; d < 2; d++) {
+        int first, last;
+        kn_meet_overlap(&m->charts[p.chart], d, p.lo[d], p.hi[d], &first, &last);
+        spans[d] = last - first + 1;
+    }
+    kn_status status = p.pole < 0 && spans[0] * spans[1] > 2 ? looks_bent(m, &bent, &p) : KN_OK;
     if (status == KN_OK && !bent)
         status = add_part(&h, &p);
     else

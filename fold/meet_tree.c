@@ -69,8 +69,8 @@ static void corner_slope(double out[3], const double *x, const kn_net *net, int 
     }
 }
 
-// How much the partials change along variable d, each relative to itself: what keeps T from being certified. Where one
-// vanishes, at a pole, the change counts 1: it is not one that cutting ends.
+// How much the partials change along variable d, each relative to itself: what keeps T from being certified. Where
+// one vanishes, at a pole, the change counts 1: it is not one that cutting ends.
 static double bend(const double *x, const kn_net *net, int d)
 {
     double sum = 0.0;

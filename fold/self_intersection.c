@@ -96,6 +96,14 @@ static void doubt(const kn_meet *m, kn_fold_intersection *out, const pair *p)
     }
 }
 
+// Whether they share a face, an edge or a corner in the parameters of one chart: then nothing lies between them.
+static bool touch(const kn_meet_node *a, const kn_meet_node *b)
+{
+    for (int d = 0; d < 3; d++)
+        if (a->lo[d] > b->hi[d] || b->lo[d] > a->hi[d]) return false;
+    return a->chart == b->chart;
+}
+
 static kn_status settle(kn_meet *m, queue *q, kn_fold_intersection *out, const pair *p, bool *found)
 {
     const kn_meet_node *a = &m->nodes[p->a], *b = &m->nodes[p->b];
@@ -103,7 +111,7 @@ static kn_status settle(kn_meet *m, queue *q, kn_fold_intersection *out, const p
     kn_status status = KN_OK;
     if (!self && kn_meet_separate(&a->box, &b->box, 1.0)) return KN_OK;
     if (is_group(a) || is_group(b)) return self ? halve_self(m, q, p->a) : halve(m, q, p->a, p->b);
-    if (!self) status = kn_meet_plane(m, &done, p->a, p->b);
+    if (!self && !touch(a, b)) status = kn_meet_plane(m, &done, p->a, p->b);
     if (status == KN_OK && !done) status = kn_meet_injective(m, &done, p->a, p->b);
     if (status == KN_OK && !done && !self) status = kn_meet_fibre(m, &done, p->a, p->b);
     if (status != KN_OK || done) return status;
@@ -195,7 +203,7 @@ kn_status kn_fold_self_intersection(kn_ctx *ctx, kn_fold_intersection *out, cons
     if (nshells < 1 || (regions && nregions < 1) || (!regions && !w))
         return kn_fail(ctx, KN_EDOMAIN, "self-intersection: %d shells, %zu regions", nshells, nregions);
     if (!(o.size >= 0.0 && o.size <= 0.01)) return kn_fail(ctx, KN_EDOMAIN, "self-intersection: size %g", o.size);
-    kn_meet m = {.ctx = ctx, .resolution = o.size > 0.0 ? o.size : 1e-6, .work = o.work ? o.work : 2000000};
+    kn_meet m = {.ctx = ctx, .resolution = o.size > 0.0 ? o.size : 1e-6, .work = o.work ? o.work : 300000};
     kn_status status = take_regions(&m, shells, nshells, regions, nregions, w);
     if (status == KN_OK) status = kn_meet_charts(&m, shells, nshells);
     if (status == KN_OK) status = kn_meet_glues(&m);

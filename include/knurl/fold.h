@@ -18,9 +18,9 @@ typedef struct kn_fold_region {
 } kn_fold_region;
 
 // ---- local: the Jacobian ----
-// J = det dT/d(u,v,w) of T as the shell holds it. Poles count without the factor that vanishes there for all w, and an
-// edge collapsed within 1e-12 as collapsed exactly (kn_shell_jacobian). At a cone's apex J is 0 for w = 0 alone, as T
-// is one point there: that counts as neither sign.
+// J = det dT/d(u,v,w) of T as the shell holds it. Poles count without the factor that vanishes there for all w, and
+// an edge collapsed within 1e-12 as collapsed exactly (kn_shell_jacobian). At a cone's apex J is 0 for w = 0 alone,
+// as T is one point there: that counts as neither sign.
 
 // positive, negative: everywhere in the region, certified. mixed: both signs occur, each at a point and beyond its
 // rounding. undecided: within the work limit nothing was proved, or J vanishes where no rounding can tell.
@@ -90,7 +90,7 @@ typedef enum kn_fold_global {
 typedef struct kn_fold_intersection {
     kn_fold_global verdict;
     kn_fold_region a, b;  // FOUND: two places (lo = hi), inside the regions; OPEN: the first boxes in doubt
-    double point[3], gap; // FOUND: the image, and the distance of the two images, at most 1e-11 of the size of the whole
+    double point[3], gap; // FOUND: the image, and the distance of the two images: at most 1e-11 of the whole size
     size_t boxes;         // work done
     size_t undecided;     // OPEN: pairs of boxes in doubt
 } kn_fold_intersection;
@@ -98,8 +98,8 @@ typedef struct kn_fold_options {
     size_t work; // boxes and pairs to look at before it gives up; 0: 300 000
     double size; // the resolution, as a part of the size of the whole, at most 0.01; 0: 1e-6
 } kn_fold_options;
-// Whether two places of the regions, of one shell or of two, have the same image: locally, where the Jacobian changes its
-// sign, or far apart, where parts of the shells run into each other.
+// Whether two places of the regions, of one shell or of two, have the same image: locally, where the Jacobian
+// changes its sign, or far apart, where parts of the shells run into each other.
 // in:     shells whose edges may be the same curves (a teapot's patches): that is found by comparing T over the edges
 //         from end to end, in both directions and with w counted either way, so that seams, Moebius strips and
 //         neighbouring patches are known. Edges that are the same in part only are not. regions, which may touch and
