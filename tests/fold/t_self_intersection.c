@@ -11,6 +11,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+static const double PI = 3.14159265358979323846;
+
 // ---- planar curves of lines and arcs, and the cylinders over them ----
 
 enum { MOST_TURNS = 8, MOST_POINTS = 2 * MOST_TURNS * 4 + 1 };
@@ -37,7 +39,7 @@ static void line(turtle *t, double length)
 // To the left by an angle (to the right when negative), in pieces of at most a quarter.
 static void arc(turtle *t, double radius, double angle)
 {
-    int pieces = (int)ceil(fabs(angle) / (0.5001 * M_PI));
+    int pieces = (int)ceil(fabs(angle) / (0.5001 * PI));
     double step = angle / pieces, side = angle > 0.0 ? 1.0 : -1.0;
     for (int i = 0; i < pieces; i++) {
         double tangent = radius * tan(0.5 * fabs(step)), cx = t->at[0] - side * radius * sin(t->heading),
@@ -117,7 +119,7 @@ static void u_bend(kn_ctx *ctx, kn_spline *s, double clearance)
 {
     turtle t = start();
     line(&t, 1.0);
-    arc(&t, 0.5 * clearance, M_PI);
+    arc(&t, 0.5 * clearance, PI);
     line(&t, 1.0);
     raise(ctx, s, &t);
 }
@@ -127,9 +129,9 @@ static void horseshoe(kn_ctx *ctx, kn_spline *s)
 {
     turtle t = start();
     line(&t, 1.0);
-    arc(&t, 0.5, -M_PI / 3.0);
-    arc(&t, 1.0, 5.0 * M_PI / 3.0);
-    arc(&t, 0.5, -M_PI / 3.0);
+    arc(&t, 0.5, -PI / 3.0);
+    arc(&t, 1.0, 5.0 * PI / 3.0);
+    arc(&t, 0.5, -PI / 3.0);
     line(&t, 1.0);
     raise(ctx, s, &t);
 }
@@ -228,7 +230,7 @@ static void moebius(kn_ctx *ctx, kn_spline *out, double b)
     double site[SITES], across[2] = {-1.0, 1.0}, value[SITES][2][3], ku[SITES + 4];
     const double kv[4] = {-1, -1, 1, 1}, *knots[2] = {ku, kv}, *sites[2] = {site, across};
     for (int i = 0; i < SITES; i++) {
-        double t = site[i] = 2.0 * M_PI * (i - TURN) / TURN;
+        double t = site[i] = 2.0 * PI * (i - TURN) / TURN;
         for (int j = 0; j < 2; j++) {
             double r = 2.0 + across[j] * b * cos(0.5 * t);
             value[i][j][0] = r * cos(t), value[i][j][1] = r * sin(t), value[i][j][2] = across[j] * b * sin(0.5 * t);
@@ -238,7 +240,7 @@ static void moebius(kn_ctx *ctx, kn_spline *out, double b)
     assert_int_equal(kn_fit_interpolate(ctx, out, 2, 3, (const int[2]){3, 1}, (const int[2]){SITES, 2}, knots, sites,
                                         &value[0][0][0]),
                      KN_OK);
-    const double lo[2] = {0.0, -1.0}, hi[2] = {2.0 * M_PI, 1.0};
+    const double lo[2] = {0.0, -1.0}, hi[2] = {2.0 * PI, 1.0};
     assert_int_equal(kn_spline_restrict(ctx, out, out, lo, hi), KN_OK);
 }
 
@@ -386,7 +388,7 @@ static void make_sheet(kn_ctx *ctx, kn_spline *out, const kn_spline *curve, bool
                         origin[3] = {-3, 0, 0};
     kn_spline c = {0};
     assert_int_equal(kn_spline_affine(ctx, &c, curve, 3, to_space, NULL), KN_OK);
-    kn_status status = turned ? kn_construct_revolved(ctx, out, &c, origin, axis, 0.5 * M_PI)
+    kn_status status = turned ? kn_construct_revolved(ctx, out, &c, origin, axis, 0.5 * PI)
                               : kn_construct_extruded(ctx, out, &c, up);
     assert_int_equal(status, KN_OK);
     kn_spline_clear(ctx, &c);

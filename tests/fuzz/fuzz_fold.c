@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Fuzzes the Jacobian of small shells: its pieces, signs, safe heights and zero sets.
+// Fuzzes the Jacobian of small shells: its pieces, signs, safe heights and zero sets, and self-intersection.
 #include "tests/fuzz/feed.h"
 
 #include <knurl/fold.h>
@@ -85,6 +85,25 @@ static void zero_sets(feed *f, const kn_shell *shell)
     }
 }
 
+// A witness must be one.
+static void self_intersection(feed *f, const kn_shell *shell)
+{
+    const kn_shell *list[2] = {shell, shell};
+    const double w[2] = {feed_number(f) / 4.0, feed_number(f) / 4.0};
+    kn_fold_options o = {.work = (size_t)feed_int(f, 1, 60), .size = feed_byte(f) % 8 ? 0.0 : feed_number(f)};
+    kn_fold_region r[2] = {{0, {0}, {1, 1, 1}}, {feed_wild(f, 0, 1), {0}, {1, 1, 1}}};
+    kn_fold_intersection out;
+    for (int d = 0; d < 3; d++) r[1].lo[d] = feed_number(f) / 4.0, r[1].hi[d] = feed_number(f) / 4.0;
+    bool all = feed_byte(f) % 2 == 0;
+    kn_status status = kn_fold_self_intersection(f->ctx, &out, list, 1, all ? NULL : r, all ? 0 : 2, w, &o);
+    if (status != KN_OK || out.verdict != KN_FOLD_FOUND) return;
+    double a[3], b[3], most = 0.0, size = 0.0;
+    if (kn_shell_eval(f->ctx, a, NULL, shell, out.a.lo[0], out.a.lo[1], out.a.lo[2]) != KN_OK) return;
+    if (kn_shell_eval(f->ctx, b, NULL, shell, out.b.lo[0], out.b.lo[1], out.b.lo[2]) != KN_OK) return;
+    for (int k = 0; k < 3; k++) most = fmax(most, fabs(a[k] - b[k])), size = fmax(size, fabs(a[k]));
+    if (most > 1e-6 * (1.0 + size) && size < 1e3) abort();
+}
+
 // A field over the domain of `like`, or what else the bytes say.
 static void make_field(feed *f, kn_spline *out, const kn_spline *like)
 {
@@ -117,6 +136,7 @@ static void jacobian(feed *f)
         boxes(f, shell);
         heights(f, shell);
         zero_sets(f, shell);
+        self_intersection(f, shell);
         kn_shell_destroy(f->ctx, shell);
     }
     kn_spline_clear(f->ctx, &psi);
