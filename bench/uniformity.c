@@ -109,8 +109,8 @@ static void by_rows(kn_ctx *ctx, result *r, const kn_spline *s, const double siz
 
 // ---- heights ----
 
-// The largest over the smallest proportion of a tile, its height over the root of its cell's area, between even lines:
-// *before with one height everywhere, *after with kn_cells_stretch.
+// The largest over the smallest proportion of a tile, its height over the root of its cell's area, between even
+// lines: *before with one height everywhere, *after with kn_cells_stretch.
 static void proportions(kn_ctx *ctx, double *before, double *after, const kn_spline *s, const int count[2])
 {
     double *lines[2], error, low[2] = {INFINITY, INFINITY}, high[2] = {0.0, 0.0};
@@ -136,7 +136,8 @@ static void proportions(kn_ctx *ctx, double *before, double *after, const kn_spl
 
 // ---- histograms ----
 
-// One panel for each way and quantity; all of a base share both axes: sizes in units of the mean, shares of the cells.
+// One panel for each way and quantity; all of a base share both axes: sizes in units of the mean, roots of the shares
+// of cells.
 enum { WIDE = 190, TALL = 74, LEFT = 74, TOP = 46, GAP = 22, SHOWN = KN_CELLS_BINS * 2 / 3 }; // up to twice the mean
 
 static double share(const kn_cells_range *r, int bin, size_t cells)

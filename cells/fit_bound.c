@@ -87,8 +87,8 @@ static kn_status into_knot_box(kn_ctx *ctx, bounding *b, const int span[2], doub
     return KN_OK;
 }
 
-// *rounding = what the coefficients of ERROR may be wrong by; *weight_off: of WEIGHT's. beyond: how far images may lie
-// in other knot boxes, whose polynomials meet this one at the knot, in units of the narrowest.
+// *rounding = what the coefficients of ERROR may be wrong by; *weight_off: of WEIGHT's. beyond: how far images may
+// lie in other knot boxes, whose polynomials meet this one at the knot, in units of the narrowest.
 static void roundings(double *rounding, double *weight_off, const bounding *b, const kn_bezier *outer, double growth,
                       const double off[2], const double beyond[2])
 {

@@ -30,8 +30,8 @@ static inline size_t kn_corner_count(const kn_corner_grid *g)
 bool kn_corner_moves(const kn_corner_grid *g, int i, int j, int d);
 
 // ---- relax_start.c ----
-// Corners, held lines (in scratch) and the size of cells from lines; NULL: even ones.
-kn_status kn_relax_start(kn_ctx *ctx, kn_corner_grid *g, const double *const lines[2], bool all_knots);
+// Corners, held lines (in scratch) and the size of cells from lines that are given; NULL: even ones.
+kn_status kn_relax_start(kn_ctx *ctx, kn_corner_grid *g, const double *const given[2], bool all_knots);
 
 // ---- relax_energy.c ----
 // Whether all cells of these corners are bilinear maps without a fold, certified.

@@ -16,8 +16,8 @@ enum { WRAP = 20, DEPTH = 12, LINEAR = -1 };
 // ---- interpolation ----
 
 // One variable: cubic pieces over runs of lines between kinks, C0 at kinks and C2 elsewhere. A run of m >= 3 cells is
-// interpolated at its m + 1 lines and has no knot at the first and last one inside; a shorter one at thirds, the values
-// there being those of the polynomial of degree m through its lines. Where such cubics overshoot: the bilinear map's
+// interpolated at its m + 1 lines and has no knot at the first and last one inside; a shorter one at thirds, the
+// values there being those of the polynomial of degree m through its lines. Where such cubics overshoot: the bilinear map's
 // values at Greville's sites, knots at all lines, are taken for the control points. They then lie near the corners
 // only, but increase with them (Schoenberg).
 typedef struct axis {

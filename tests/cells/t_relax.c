@@ -66,8 +66,8 @@ static double *corners_of(const kn_spline *map)
     return c;
 }
 
-// Where the answer is known: corner (i,j) at u = i/n, v + c u v (1 - v) = j/n, up to terms of second order: the energy
-// sees parts of cells, whose middles a bilinear map in (u,v) does not take to the middles of squares, but off by the
+// Where the answer is known: corner (i,j) at u = i/n, v + c u v (1 - v) = j/n, up to terms of second order: the
+// energy sees parts of cells, whose middles a bilinear map in (u,v) does not take to the middles of squares, but off by the
 // bend of S over a cell, of the size c/n^2. So corners are wrong by a multiple of that, for all n the same one, and
 // areas, relative to 1/n^2, by one order less.
 static void known_square(void **state)
@@ -294,6 +294,30 @@ static void fixed(void **state)
     test_ctx_end(ctx, &memory);
 }
 
+// A kink of S, at which the speed jumps as well: the line stays on it, and the smooth map has its own kink there, so
+// that cells on both sides are of one height: 1 in [0,1] and 3 in [1,2] share 8 rows as 2 and 6.
+static void kink(void **state)
+{
+    (void)state;
+    test_memory memory = TEST_MEMORY_INIT;
+    kn_ctx *ctx = test_ctx(&memory, 1);
+    const double k[] = {0, 0, 1, 2, 2}, *knots[2] = {k1, k};
+    const double coef[18] = {0, 0, 0, 1, 1, 1, 0, 1, 1, 0, 1, 1, 0, 0, 3, 0, 0, 3};
+    kn_spline s = {0}, map = {0};
+    assert_int_equal(kn_spline_init(ctx, &s, 2, 3, false, (const int[]){1, 1}, (const int[]){2, 3}, knots, coef),
+                     KN_OK);
+    const kn_cells_relax_options o = {.smooth = true};
+    assert_int_equal(kn_cells_relax(ctx, &map, &s, (const int[]){4, 8}, &o), KN_OK);
+    for (int j = 0; j <= 80; j++) {
+        double at[2] = {1.3, j / 10.0}, uv[2];
+        assert_int_equal(kn_spline_eval(ctx, uv, &map, at), KN_OK);
+        double want = at[1] <= 2 ? at[1] / 2 : 1 + (at[1] - 2) / 6;
+        assert_true(fabs(uv[1] - want) <= 1e-12 && fabs(uv[0] - at[0] / 4) <= 1e-12); // no strain: even lines stay
+    }
+    kn_spline_clear(ctx, &s), kn_spline_clear(ctx, &map);
+    test_ctx_end(ctx, &memory);
+}
+
 // Lines of the caller's: three edges stay on them, corners of the fourth slide.
 static void given(void **state)
 {
@@ -455,7 +479,8 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(known_square), cmocka_unit_test(gradients), cmocka_unit_test(falls),
         cmocka_unit_test(evener),       cmocka_unit_test(fixed),     cmocka_unit_test(given),
-        cmocka_unit_test(smooth),       cmocka_unit_test(fails),     cmocka_unit_test(memory_fails),
+        cmocka_unit_test(kink),         cmocka_unit_test(smooth),    cmocka_unit_test(fails),
+        cmocka_unit_test(memory_fails),
     };
     return cmocka_run_group_tests_name("cells/relax", tests, NULL, NULL);
 }
