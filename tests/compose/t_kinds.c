@@ -677,7 +677,7 @@ static void allocation_failures(void **state)
         make_field(r.ctx, &h, 1, 1, 1, 1, 0.1);
         make_field(r.ctx, &psi, 1, 1, 3, 0, 0.1);
         kn_job_options o = {.count = {1, 1}, .height = 0.2, .normal_tol = 1e-2};
-        if (which == 0) scene_bicubic(r.ctx, &s, 0.02);
+        if (which == 0) scene_bicubic(r.ctx, &s, 0);
         if (which == 0) o.thickness = &h, o.attraction = &psi;
         if (which == 1) make_volume(r.ctx, &s, 1), o.count[0] = 3, o.count[1] = 2;
         if (which == 2) make_tube(r.ctx, &s), o.count[0] = 4;

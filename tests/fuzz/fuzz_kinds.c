@@ -4,7 +4,7 @@
 
 #include <knurl/knurl.h>
 
-// Control points near a grid over the unit square or cube: random ones rarely make a shell.
+// Control points near a grid over the unit square or cube: random ones rarely make a shell, and folded ones are slow.
 static void make_base(feed *f, kn_spline *s, int nvars)
 {
     feed_spline(f, s, nvars);
@@ -15,7 +15,7 @@ static void make_base(feed *f, kn_spline *s, int nvars)
         size_t rest = i;
         for (int v = nvars - 1; v >= 0; rest /= (size_t)s->count[v], v--)
             x[v] = (double)(rest % (size_t)s->count[v]) / (s->count[v] > 1 ? s->count[v] - 1 : 1);
-        for (size_t c = 0; c < 3; c++) s->coef[c * n + i] = w * (x[c] + s->coef[c * n + i] / 64.0);
+        for (size_t c = 0; c < 3; c++) s->coef[c * n + i] = w * (x[c] + s->coef[c * n + i] / 256.0);
     }
     if (kn_spline_check(f->ctx, s) != KN_OK) kn_spline_clear(f->ctx, s);
 }
@@ -107,7 +107,7 @@ static void jobs(feed *f, const kn_spline *base)
     kn_tile tile = {0};
     kn_spline h, d, psi;
     kn_job *job = NULL;
-    kn_job_options o = {.normal_tol = 0.05, .max_degree = 50, .mesh_tol = 0.5};
+    kn_job_options o = {.normal_tol = 0.2, .max_degree = 50, .mesh_tol = 0.5};
     for (int v = 0; v < 2; v++) o.count[v] = feed_int(f, 1, 6);
     o.height = feed_byte(f) % 2 ? 0.05 : feed_number(f);
     o.side = (kn_job_side)feed_wild(f, 0, 2);
