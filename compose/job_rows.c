@@ -2,11 +2,16 @@
 // Rows of cells with counts of their own: each part of a base becomes bands across its variable 1.
 #include "compose/job.h"
 
+// Of one part; NULL: it stays whole.
+typedef struct part_bands {
+    kn_cells_band *list;
+    int n;
+} part_bands;
+
 typedef struct rows {
     const kn_job_bases *bases;
     const kn_job_class *classes;
-    kn_cells_band **bands; // of each part; NULL: it stays whole
-    int *nbands;
+    part_bands *bands;
     double size[2];
 } rows;
 
@@ -46,10 +51,11 @@ static kn_status cut_class(kn_ctx *ctx, rows *r, int first)
     at = 0;
     for (int m = first; status == KN_OK && m < r->bases->n; m++) {
         if (r->classes[2 * m + 1].id != id) continue;
-        r->nbands[m] = nbands;
-        r->bands[m] = kn_alloc(ctx, (size_t)nbands, sizeof **r->bands);
-        if (!r->bands[m]) status = KN_ENOMEM;
-        for (int k = 0; status == KN_OK && k < nbands; k++) r->bands[m][k] = all[at + k];
+        part_bands *to = &r->bands[m];
+        to->n = nbands;
+        to->list = kn_alloc(ctx, (size_t)nbands, sizeof *to->list);
+        if (!to->list) status = KN_ENOMEM;
+        for (int k = 0; status == KN_OK && k < nbands; k++) to->list[k] = all[at + k];
         at += nbands;
     }
     kn_free(ctx, all);
@@ -102,13 +108,14 @@ static void number_parts(kn_job_bases *bases)
 static kn_status replace_parts(kn_ctx *ctx, kn_job_bases *bases, const rows *r)
 {
     kn_job_bases cut = {.n = 0};
-    for (int m = 0; m < bases->n; m++) cut.room += r->bands[m] ? r->nbands[m] : 1;
+    for (int m = 0; m < bases->n; m++) cut.room += r->bands[m].list ? r->bands[m].n : 1;
     cut.list = kn_alloc(ctx, (size_t)cut.room, sizeof *cut.list);
     cut.faces = kn_alloc(ctx, (size_t)cut.room, sizeof *cut.faces);
     kn_status status = cut.list && cut.faces ? KN_OK : KN_ENOMEM;
     for (int m = 0; status == KN_OK && m < bases->n; m++)
-        for (int k = 0; status == KN_OK && k < (r->bands[m] ? r->nbands[m] : 1); k++)
-            status = add_band(ctx, &cut, &bases->list[m], &bases->faces[m], r->bands[m] ? &r->bands[m][k] : NULL);
+        for (int k = 0; status == KN_OK && k < (r->bands[m].list ? r->bands[m].n : 1); k++)
+            status = add_band(ctx, &cut, &bases->list[m], &bases->faces[m],
+                              r->bands[m].list ? &r->bands[m].list[k] : NULL);
     if (status == KN_OK) {
         number_parts(&cut);
         kn_job_bases swap = *bases;
@@ -144,18 +151,16 @@ kn_status kn_job_cut_rows(kn_ctx *ctx, kn_job_bases *bases, const kn_job *job)
     for (int d = 0; d < 2; d++) r.size[d] = o.size[d];
     kn_job_class *classes = kn_alloc(ctx, 2 * n, sizeof *classes);
     r.bands = kn_alloc_zero(ctx, n, sizeof *r.bands);
-    r.nbands = kn_alloc_zero(ctx, n, sizeof *r.nbands);
     r.classes = classes;
-    status = classes && r.bands && r.nbands ? find_classes(ctx, classes, bases, 1e-9 * diagonal) : KN_ENOMEM;
+    status = classes && r.bands ? find_classes(ctx, classes, bases, 1e-9 * diagonal) : KN_ENOMEM;
     for (int m = 0; status == KN_OK && m < bases->n; m++) {
         bool met = false; // its class has a part before it, and has its bands
         for (int k = 0; !met && k < m; k++) met = classes[2 * k + 1].id == classes[2 * m + 1].id;
         if (!met) status = cut_class(ctx, &r, m);
     }
     if (status == KN_OK) status = replace_parts(ctx, bases, &r);
-    for (size_t m = 0; r.bands && m < n; m++) kn_free(ctx, r.bands[m]);
+    for (size_t m = 0; r.bands && m < n; m++) kn_free(ctx, r.bands[m].list);
     kn_free(ctx, r.bands);
-    kn_free(ctx, r.nbands);
     kn_free(ctx, classes);
     return status;
 }
