@@ -115,6 +115,7 @@ typedef struct part {
     const kn_meet_node *node;
     int end[3];
     double at[3]; // a place there
+    bool special; // a pole, or a corner of the chart: other parameters may have the same fibre
 } part;
 
 // How a part's node lies to one side of a plane: f = v . T - c >= slope s - touch, s the sum of the distances from
@@ -258,8 +259,7 @@ static bool is_end(const kn_meet_chart *c, const kn_meet_node *n, int var, int e
     return end ? n->hi[var] >= c->breaks[var][c->nbreaks[var] - 1] : n->lo[var] <= c->breaks[var][0];
 }
 
-// Those of the four corners of a node's (u,v) that are corners of the chart, or lie at a pole, which makes two one.
-// Returns how many.
+// The four corners of a node's (u,v); two that a pole makes one are given once. Returns how many.
 static int corners(const kn_meet *m, part *out, const kn_meet_node *n)
 {
     const kn_meet_chart *c = &m->charts[n->chart];
@@ -269,8 +269,8 @@ static int corners(const kn_meet *m, part *out, const kn_meet_node *n)
         for (int d = 0; d < 2; d++)
             if (c->pole[d][end[d]] && is_end(c, n, d, end[d])) pole = d;
         if (pole >= 0 && end[1 - pole] == 1) continue;
-        if (pole < 0 && !(is_end(c, n, 0, end[0]) && is_end(c, n, 1, end[1]))) continue;
         out[count] = (part){.node = n, .end = {end[0], end[1], -1}};
+        out[count].special = pole >= 0 || (is_end(c, n, 0, end[0]) && is_end(c, n, 1, end[1]));
         if (pole >= 0) out[count].end[1 - pole] = -1;
         for (int d = 0; d < 2; d++) out[count].at[d] = end[d] ? n->hi[d] : n->lo[d];
         count++;
@@ -317,6 +317,8 @@ kn_status kn_meet_fibre(kn_meet *m, bool *apart, int a, int b)
         for (int j = 0; j < ny && !*apart; j++) {
             double along[3], point[3];
             bool same;
+            bool one = m->nodes[a].chart == m->nodes[b].chart && x[i].at[0] == y[j].at[0] && x[i].at[1] == y[j].at[1];
+            if (!one && !(x[i].special && y[j].special)) continue;
             kn_status status = same_fibre(m, &same, along, point, &x[i], &y[j]);
             const part side[2] = {x[i], y[j]};
             if (status == KN_OK && same) status = try_plane(m, apart, side, along, point);
