@@ -147,12 +147,13 @@ kn_status kn_job_cut_rows(kn_ctx *ctx, kn_job_bases *bases, const kn_job *job);
 kn_status kn_job_diagonal(kn_ctx *ctx, double *out, const kn_spline *surfaces, int nsurfaces);
 // o->size where it is not given.
 void kn_job_resolve_size(kn_job_options *o, double diagonal);
-// job->surfaces' counts, lines and partners, height, mesh_tol, patches and segments, from the options; the bases' faces
-// where corners are free, and their thickness where heights follow the stretch.
+// job->surfaces' counts, lines and partners, height, mesh_tol, patches and segments, from the options; the bases'
+// faces where corners are free, and their thickness where heights follow the stretch.
 kn_status kn_job_decide_sizes(kn_ctx *ctx, kn_job *job, kn_job_bases *bases);
 
 // ---- job_free.c ----
-// Replaces the faces by S(map), and the lines, which are even ones, by integers; report.cells_error. cell: its mean side.
+// Replaces the faces by S(map), and the lines, which are even ones, by integers; report.cells_error. cell: its mean
+// side.
 kn_status kn_job_free_corners(kn_ctx *ctx, kn_job *job, kn_job_bases *bases, double cell);
 
 // ---- job_stretch.c ----
@@ -168,8 +169,8 @@ kn_status kn_job_make_shells(kn_ctx *ctx, kn_job *job, const kn_job_bases *bases
 // partners: 4 for each surface.
 kn_status kn_job_find_partners(kn_ctx *ctx, kn_job_partner *partners, const kn_spline *surfaces, int nsurfaces,
                                double tol);
-// partner[].goes_on of all surfaces, whose shells and lines are there, for the heights w that the tile occupies. Beyond
-// a crease the tile would be torn.
+// partner[].goes_on of all surfaces, whose shells and lines are there, for the heights w that the tile occupies.
+// Beyond a crease the tile would be torn.
 kn_status kn_job_match_edges(kn_ctx *ctx, kn_job *job, const double w[2]);
 // Where the cell at `offset` from a cell of the surface lies: on the surface beyond an edge that the two share with
 // agreeing normals and cell lines; otherwise on its own surface, where closed directions wrap and open ends extend.

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // The pieces of a surface between its creases.
 //
-// Along a knot line at which S is only C0 the normals of both sides have the directions a(t) and b(t), polynomials. Their
-// angle is at most `angle` where a.b > 0 and |a x b| <= tan(angle) a.b, and so wherever that holds for the coefficients:
-// |a x b| <= max |coefficient of a x b|, a.b >= min coefficient of a.b.
+// Along a knot line at which S is only C0 the normals of both sides have the directions a(t) and b(t), polynomials.
+// Their angle is at most `angle` where a.b > 0 and |a x b| <= tan(angle) a.b, and so wherever that holds for the
+// coefficients: |a x b| <= max |coefficient of a x b|, a.b >= min coefficient of a.b.
 #include "kernel/bernstein.h"
 #include "kernel/context.h"
 #include "kernel/knots.h"

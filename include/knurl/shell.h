@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// kn_shell: the map T from texture space (u,v,w) to the neighbourhood of a base: T = S + w h n + w^k psi over a surface
-// S with its unit normal n (or a field in its place), or a trivariate spline itself.
+// kn_shell: the map T from texture space (u,v,w) to the neighbourhood of a base: T = S + w h n + w^k psi over a
+// surface S with its unit normal n (or a field in its place), or a trivariate spline itself.
 // Source: Elber, Geometric Texture Modeling, IEEE CG&A 25(4), 2005.
 #ifndef KNURL_SHELL_H
 #define KNURL_SHELL_H
@@ -56,8 +56,8 @@ KN_API kn_shell_options kn_shell_defaults(void);
 //         smoother. n interpolates N/|N|, so that its coefficients along an edge depend on N/|N| and on the knots
 //         along that edge alone; where S is one point with one normal, n is one vector.
 // KN_NORMAL_EXACT_DIRECTION: degrees of N plus 3 .. max_degree. n = N m, m a spline that interpolates 1/|N|: the
-//         angle error is rounding. n is as smooth as S_u x S_v and m. Along an edge that two surfaces share, and where
-//         they touch, their n agree when |S_u x S_v| of the two is the same but for one factor, and else to the
+//         angle error is rounding. n is as smooth as S_u x S_v and m. Along an edge that two surfaces share, and
+//         where they touch, their n agree when |S_u x S_v| of the two is the same but for one factor, and else to the
 //         tolerance, in length alone; at a pole too the length varies by as much. Beside a factor that was divided
 //         out n is C0 on the next line.
 // At a knot where S is C1 or less n is joined if both sides agree (of N m: in length too, but for one factor along
@@ -92,8 +92,8 @@ KN_API void kn_shell_cells(const kn_shell *shell, int cells[2]);
 KN_API void kn_shell_closed(const kn_shell *shell, bool closed[2]);
 
 // T at (u,v) in S's parameters and signed height w (in S's length unit, or what thickness, direction and volume make
-// of it). jacobian, when not NULL, receives the 3 x 3 matrix dT/d(u,v,w), row by row. Beyond the domain the end pieces
-// of S, of n and of the fields go on.
+// of it). jacobian, when not NULL, receives the 3 x 3 matrix dT/d(u,v,w), row by row. Beyond the domain the end
+// pieces of S, of n and of the fields go on.
 // fails: KN_EDOMAIN (not finite), KN_ENOMEM; outputs unchanged. error: as kn_spline_derivatives, of S plus |w|^k of
 //        each field; of a volume as that of the volume.
 KN_API KN_CHECKED kn_status kn_shell_eval(kn_ctx *ctx, double point[3], double *jacobian, const kn_shell *shell,
@@ -104,11 +104,11 @@ KN_API KN_CHECKED kn_status kn_shell_eval(kn_ctx *ctx, double point[3], double *
 KN_API KN_CHECKED kn_status kn_shell_unit_normal(kn_ctx *ctx, double normal[3], const kn_shell *shell, double u,
                                                  double v);
 
-// Bounds of det dT/d(u,v,w) over the cells for w in [w0,w1]: *lo <= det <= *hi, rounding included, for shells of every
-// kind (source: det is a polynomial in w with coefficients that are splines over (u,v); kn_shell_jacobian). The unit:
-// length^3 per parameter^2 and unit of w. The bounds lie within about 2 % of the range outside the true ones (T with
-// an attraction: a little more); at a pole det is 0 and lo is 0 less the rounding. Where numbers over- or underflow
-// they are -INFINITY and INFINITY.
+// Bounds of det dT/d(u,v,w) over the cells for w in [w0,w1]: *lo <= det <= *hi, rounding included, for shells of
+// every kind (source: det is a polynomial in w with coefficients that are splines over (u,v); kn_shell_jacobian). The
+// unit: length^3 per parameter^2 and unit of w. The bounds lie within about 2 % of the range outside the true ones (T
+// with an attraction: a little more); at a pole det is 0 and lo is 0 less the rounding. Where numbers over- or
+// underflow they are -INFINITY and INFINITY.
 // fails:  KN_EDOMAIN (w0 > w1, not finite), KN_ELIMIT as kn_shell_jacobian, KN_ENOMEM, KN_ECANCELLED; outputs
 //         unchanged. cost: about 60 us for each span of n.
 KN_API KN_CHECKED kn_status kn_shell_jacobian_bounds(kn_ctx *ctx, double *lo, double *hi, const kn_shell *shell,
@@ -122,8 +122,8 @@ KN_API KN_CHECKED kn_status kn_shell_jacobian_bounds(kn_ctx *ctx, double *lo, do
 // w = 0, which may be degenerate. Of the options the cell lines and max_spans alone count.
 // fails: as kn_shell_create for shapes and lines; KN_ELIMIT a degree in w of KN_SHELL_TERMS or more; KN_ENOMEM.
 //        A volume with knots in w has no pieces (kn_shell_piece_init: KN_EDOMAIN); all else works.
-// error: pieces are in powers of w: coefficient k is off by gamma(3 m + k + 4) C(m,k) 2^k max |coefficient| / (b - a)^k
-//        for degree m in w. kn_shell_eval and kn_shell_volume use the volume as it is.
+// error: pieces are in powers of w: coefficient k is off by gamma(3 m + k + 4) C(m,k) 2^k max |coefficient| / (b -
+//        a)^k for degree m in w. kn_shell_eval and kn_shell_volume use the volume as it is.
 KN_API KN_CHECKED kn_status kn_shell_from_volume(kn_ctx *ctx, kn_shell **out, const kn_spline *volume,
                                                  const kn_shell_options *options);
 // The heights for which T is defined: 0 and b - a of a volume, and -INFINITY, INFINITY otherwise.
@@ -138,8 +138,8 @@ KN_API void kn_shell_heights(const kn_shell *shell, double w[2]);
 KN_API KN_CHECKED kn_status kn_shell_volume(kn_ctx *ctx, kn_spline *out, const kn_shell *shell, double w0, double w1);
 
 // The pieces of S between its creases: knots at which S is only C0 and the normals of the two sides differ by more
-// than `angle` radians somewhere along the line; where it cannot be certified that they do not, it counts as a crease,
-// as does a knot at which S itself jumps, and one beside a span of S without area.
+// than `angle` radians somewhere along the line; where it cannot be certified that they do not, it counts as a
+// crease, as does a knot at which S itself jumps, and one beside a span of S without area.
 // in:     0 <= angle <= 1.57; below some 1e-12, what rounding leaves, every knot where S is only C0 is a crease.
 // out:    *pieces, counts[0] * counts[1] of them, u slowest, in S's own parameters, kn_spline_clear each, kn_free.
 //         Common edges agree bit for bit. One piece, a copy of S, where there is none.
@@ -162,9 +162,9 @@ typedef struct kn_shell_edge {
     int order;       // how often the vanishing factor was divided out of S_u x S_v there, the most of all spans
 } kn_shell_edge;
 // edges[variable][end]. One point: all control points of the edge, to 1e-12 of the surface's size. One normal: all
-// coefficients of N along the edge, to 1e-10 of the largest. At an apex each parameter line keeps its own limit of the
-// normal: the shell opens there, into the arc or circle that n draws at distance w. Where S is no base of normals (a
-// direction of its own, a volume) every collapsed edge is a pole of order 0.
+// coefficients of N along the edge, to 1e-10 of the largest. At an apex each parameter line keeps its own limit of
+// the normal: the shell opens there, into the arc or circle that n draws at distance w. Where S is no base of normals
+// (a direction of its own, a volume) every collapsed edge is a pole of order 0.
 KN_API void kn_shell_edges(const kn_shell *shell, kn_shell_edge edges[2][2]);
 
 // ---- pieces ----
@@ -231,13 +231,13 @@ typedef struct kn_support {
 // out:    *supports: *n of them, ordered by |w|, for kn_free. Every place lies in the box of one of them. Where T
 //         folds (its Jacobian is singular) they are not certified: one box for each group of places that touch.
 //         *complete: no box is wider than its fold makes it; false: places form a continuum (the centre of a sphere),
-//         or the work limit was met. u and u + period are one place, and so is a pole, whatever u: its error in u spans
-//         the domain.
+//         or the work limit was met. u and u + period are one place, and so is a pole, whatever u: its error in u
+//         spans the domain.
 // fails:  KN_EDOMAIN (not finite), KN_ENOMEM, KN_ECANCELLED; outputs unchanged.
 // error:  none: boxes are certified of T itself, with the rounding of its coefficients inside (docs/numerics.md).
 // cost:   30 to 90 us where T is regular (bicubic, rational biquadratic), three times that on borders of pieces, up
-//         to 0.2 s at a fold: at most 16384 boxes are looked at (fewer where degrees are high: 4 million coefficients),
-//         and 512 at one time.
+//         to 0.2 s at a fold: at most 16384 boxes are looked at (fewer where degrees are high: 4 million
+//         coefficients), and 512 at one time.
 // source: as kn_solve_zeros.
 KN_API KN_CHECKED kn_status kn_shell_support(kn_ctx *ctx, kn_support **supports, size_t *n, bool *complete,
                                              const kn_shell_inverse *inverse, const double point[3]);
@@ -280,10 +280,10 @@ KN_API KN_CHECKED kn_status kn_shell_map_normal_estimate(kn_ctx *ctx, double out
 
 // ---- the Jacobian ----
 
-// Common to the functions of this part: J is that of T as the shell holds it (n fitted, fields exact). An edge of a box
-// along which a derivative of S, times the width of the domain, is below 1e-12 of S's size counts as collapsed to a
-// point, and n's and the fields' derivatives along it that are as small count as 0: what is certified then is said of
-// the surface with this edge collapsed exactly.
+// Common to the functions of this part: J is that of T as the shell holds it (n fitted, fields exact). An edge of a
+// box along which a derivative of S, times the width of the domain, is below 1e-12 of S's size counts as collapsed to
+// a point, and n's and the fields' derivatives along it that are as small count as 0: what is certified then is said
+// of the surface with this edge collapsed exactly.
 
 // det dT/d(u,v,w) = sum_k J_k(u,v) w^k, or of a volume one J_0(u,v,w).
 // out:    *coefficients: *n splines with one component, kn_spline_clear each, kn_free; those of one shell share their

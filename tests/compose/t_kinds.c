@@ -179,8 +179,8 @@ static void torus_with_thickness(void **state)
 
 // ---- exact degrees ----
 
-// T = S + w d + w^k psi: the composed degree is the tile's times the largest sum of degrees and power, and no patch is
-// subdivided or approximated. Symbolic composition gives the same patches.
+// T = S + w d + w^k psi: the composed degree is the tile's times the largest sum of degrees and power, and no patch
+// is subdivided or approximated. Symbolic composition gives the same patches.
 static void exact_degrees(void **state)
 {
     (void)state;
@@ -227,8 +227,8 @@ static void exact_degrees(void **state)
     }
 }
 
-// A direction with knots of its own over a spline: tiles that reach into the next cell are cut there, and patches agree
-// with T beyond the domain too, where S and d go on.
+// A direction with knots of its own over a spline: tiles that reach into the next cell are cut there, and patches
+// agree with T beyond the domain too, where S and d go on.
 static void direction_with_knots(void **state)
 {
     (void)state;
@@ -379,8 +379,8 @@ static void make_volume(kn_ctx *ctx, kn_spline *out, int which)
     kn_spline_clear(ctx, &s), kn_spline_clear(ctx, &other);
 }
 
-// Ruled, extruded, swept and revolved volumes as bases: T is the volume, over all of it and over a part of its height,
-// to the degree 6 + that in w.
+// Ruled, extruded, swept and revolved volumes as bases: T is the volume, over all of it and over a part of its
+// height, to the degree 6 + that in w.
 static void volumes(void **state)
 {
     (void)state;
@@ -494,8 +494,8 @@ static void tube_side(double t[3], double *bound, const run *r, int surface, con
     *bound = fabs(w) * (r->report.normal.length_error + r->report.normal.angle_error);
 }
 
-// Patches of a tile that reaches a quarter cell over the creases on both sides: each side is a shell of its own, and the
-// parts of one tile patch, cut at the lines, join.
+// Patches of a tile that reaches a quarter cell over the creases on both sides: each side is a shell of its own, and
+// the parts of one tile patch, cut at the lines, join.
 static void creases_do_not_tear(void **state)
 {
     (void)state;
