@@ -105,7 +105,7 @@ static int check_height(const check *c)
 static int find_intersection(cli_session *session, check *c)
 {
     kn_ctx *ctx = cli_ctx(session);
-    const kn_shell **shells = malloc((size_t)c->nshells * sizeof *shells);
+    const kn_shell **shells = malloc((size_t)c->nshells * sizeof(void *));
     if (!shells) {
         cli_error("out of memory");
         return EXIT_FAILED;

@@ -230,7 +230,8 @@ kn_status check_make_regions(kn_ctx *ctx, check *c)
         for (int end = 0; end < 2; end++) c->shells[i].range[end] = c->shells[i].unit * c->range[end];
     size_t n = count_regions(c, false);
     bool coarse = n > most_regions;
-    c->regions = calloc(coarse ? count_regions(c, true) : n, sizeof *c->regions);
+    if (coarse) n = count_regions(c, true);
+    c->regions = calloc(n + 1, sizeof *c->regions);
     if (!c->regions) return KN_ENOMEM;
     fill_regions(c, coarse);
     return KN_OK;

@@ -216,15 +216,21 @@ static void print_advice(const check *c)
         printf("    what is in doubt may be decided with more work: --work N\n");
 }
 
+// A bound that rounding alone keeps from 0 is printed as 0.
+static double plain(const check *c, double h)
+{
+    return fabs(h) < 1e-9 * fmax(fabs(c->range[0]), fabs(c->range[1])) ? 0 : h;
+}
+
 static void print_text(const check *c)
 {
     const char *s = c->base.nsurfaces == 1 ? "" : "s";
     if (c->job.tile)
         printf("%s: %s in %zu cells on %d surface%s, between heights %.4g and %.4g\n", c->job.base, c->job.tile,
-               c->ncells, c->base.nsurfaces, s, c->range[0], c->range[1]);
+               c->ncells, c->base.nsurfaces, s, plain(c, c->range[0]), plain(c, c->range[1]));
     else
-        printf("%s: %d surface%s, between heights %.4g and %.4g\n", c->job.base, c->base.nsurfaces, s, c->range[0],
-               c->range[1]);
+        printf("%s: %d surface%s, between heights %.4g and %.4g\n", c->job.base, c->base.nsurfaces, s,
+               plain(c, c->range[0]), plain(c, c->range[1]));
     print_local(c);
     print_global(c);
     print_advice(c);

@@ -34,7 +34,7 @@ kn_status fill(kn_ctx *ctx, part *out, const kn_scene_item *item, int index)
                            m.triangle[i], m.nvertices);
         c->triangle[i] = m.triangle[i];
     }
-    if (c->color) memcpy(c->color, item->color, 3 * m.nvertices * sizeof(float));
+    if (c->color && item->color) memcpy(c->color, item->color, 3 * m.nvertices * sizeof(float));
     c->nvertices = m.nvertices, c->ntriangles = m.ntriangles;
     return status;
 }
