@@ -78,11 +78,11 @@ static int check_arguments(const check *c)
     const cli_job *job = &c->job;
     bool cells = job->options.count[0] || job->has_size || job->options.spacing || job->options.rows ||
                  job->options.stretch || job->options.quarter_turns;
-    const char *missing = !job->base                                     ? "a BASE file is missing"
-                          : job->options.count[0] && job->has_size       ? "--count and --size exclude each other"
-                          : cells && !job->tile                          ? "cells need a --tile"
-                          : job->offset.value != 0 && !job->height.value ? "--offset needs --height"
-                                                                         : NULL;
+    const char *missing = !job->base                                         ? "a BASE file is missing"
+                          : job->options.count[0] && job->has_size           ? "--count and --size exclude each other"
+                          : cells && !job->tile                              ? "cells need a --tile"
+                          : job->offset.value != 0 && job->height.value == 0 ? "--offset needs --height"
+                                                                             : NULL;
     if (!missing) return EXIT_OK;
     cli_error("check: %s", missing);
     cli_usage_hint("check");
