@@ -91,7 +91,7 @@ TEST_SRC := $(filter-out $(if $(filter flint,$(FOUND)),,tests/oracle/%),$(wildca
 SUPPORT_SRC := $(filter-out $(TEST_SRC),$(wildcard tests/support/*.c))
 BENCH_SRC := $(wildcard bench/*.c)
 FUZZ_SRC := $(wildcard tests/fuzz/fuzz_*.c)
-HELPER_SRC := $(filter-out $(TEST_SRC) $(SUPPORT_SRC) tests/fuzz/%,$(wildcard tests/*/*.c)) # shared by a folder's tests; fold has trivar's too
+HELPER_SRC := $(filter-out $(TEST_SRC) $(SUPPORT_SRC) tests/fuzz/%,$(wildcard tests/*/*.c)) # shared by a folder's tests
 
 objects = $(patsubst %,$(B)/obj/%.o,$(1))
 LIB_OBJ := $(call objects,$(LIB_SRC)) $(B)/obj/gen/embedded.c.o
@@ -177,7 +177,7 @@ $(SUPPORT): $(call objects,$(SUPPORT_SRC))
 	$(Q)rm -f $@; $(AR) rcs $@ $^
 TEST_LIBS := -lcmocka $(if $(filter jansson,$(FOUND)),-ljansson)
 define test_rule
-$(B)/tests/$(1)/t_%: $(B)/obj/tests/$(1)/t_%.c.o $(call objects,$(filter tests/$(1)/% $(if $(filter fold,$(1)),tests/trivar/%),$(HELPER_SRC))) $(SUPPORT) \
+$(B)/tests/$(1)/t_%: $(B)/obj/tests/$(1)/t_%.c.o $(call objects,$(filter tests/$(1)/%,$(HELPER_SRC))) $(SUPPORT) \
   $(if $(filter bridges cli,$(1)),$(BRIDGE_LIBS)) $(LIB)
 	@mkdir -p $$(@D)
 	$$(call say,LINK,$$@)

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The certified sign of the Jacobian over boxes: closed forms, samples, witnesses.
-#include "tests/trivar/kinds.h"
+#include "tests/support/kinds.h"
 
 #include <knurl/construct.h>
 #include <knurl/fold.h>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Safe heights against closed forms, and against principal radii of curvature computed in long double.
-#include "tests/trivar/surfaces.h"
+#include "tests/support/surfaces.h"
 
 #include <knurl/construct.h>
 #include <knurl/fold.h>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Self-intersection of shells: closed forms, known clearances, and random sheets against crossing normals.
-#include "tests/trivar/surfaces.h"
+#include "tests/support/surfaces.h"
 
 #include <knurl/construct.h>
 #include <knurl/fit.h>

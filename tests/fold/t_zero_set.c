@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Zero sets of the Jacobian: of a torus the axis and the circle inside the tube; curves at one height.
-#include "tests/trivar/surfaces.h"
+#include "tests/support/surfaces.h"
 
 #include <knurl/construct.h>
 #include <knurl/fold.h>

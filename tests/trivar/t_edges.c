@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // kn_shell_edges, and normals where factors of S_u x S_v vanish: edges that are points, to any order, two of them
 // that meet, edges along which S_v vanishes, an apex, and places that have no normal at all.
-#include "tests/trivar/surfaces.h"
+#include "tests/support/surfaces.h"
 
 #include <knurl/construct.h>
 

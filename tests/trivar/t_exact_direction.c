@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // n = N m: its direction to rounding, its degrees and continuity, shared edges, pieces of T, limits, memory.
-#include "tests/trivar/surfaces.h"
+#include "tests/support/surfaces.h"
 
 #include <math.h>
 #include <string.h>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Shells with a thickness, a direction and an attraction given as splines.
-#include "tests/trivar/kinds.h"
+#include "tests/support/kinds.h"
 
 #include <math.h>
 #include <string.h>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Trivariate splines as shells.
-#include "tests/trivar/kinds.h"
+#include "tests/support/kinds.h"
 
 #include <math.h>
 #include <string.h>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The Jacobian's coefficients over boxes and as splines, against determinants in long double.
-#include "tests/trivar/kinds.h"
+#include "tests/support/kinds.h"
 
 #include <knurl/construct.h>
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Normals through T against the tangents of composed patches, and the estimate where it is exact.
-#include "tests/trivar/kinds.h"
+#include "tests/support/kinds.h"
 
 #include <knurl/compose.h>
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The certificates of both constructions of the normal against 100,000 samples in long double for each surface and
 // tolerance: no sample passes a bound, and the bounds are not above 10 times the worst sample.
-#include "tests/trivar/surfaces.h"
+#include "tests/support/surfaces.h"
 
 #include <float.h>
 #include <math.h>

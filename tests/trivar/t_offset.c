@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Rational bases without loss: T of a sphere, a torus and a cylinder at height w is the sphere, torus or cylinder of
 // a radius larger by w, within |w| times the certificate of n.
-#include "tests/trivar/surfaces.h"
+#include "tests/support/surfaces.h"
 
 #include <math.h>
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The search for places without a normal: what it finds, that its work is limited, and what is said then.
-#include "tests/trivar/surfaces.h"
+#include "tests/support/surfaces.h"
 
 #include "trivar/internal.h"
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // What kn_shell_create refuses, what it tells of itself, and running out of memory.
-#include "tests/trivar/surfaces.h"
+#include "tests/support/surfaces.h"
 
 #include <math.h>
 #include <string.h>

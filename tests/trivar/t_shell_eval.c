@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // T, its Jacobian matrix and the bounds of its determinant.
-#include "tests/trivar/surfaces.h"
+#include "tests/support/surfaces.h"
 
 #include <math.h>
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Pieces of a shell over boxes: against the shell, against direct evaluation, neighbours, wrapping and failures.
-#include "tests/trivar/surfaces.h"
+#include "tests/support/surfaces.h"
 
 #include <limits.h>
 #include <math.h>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Above, below, on, both or neither: closed forms.
-#include "tests/trivar/surfaces.h"
+#include "tests/support/surfaces.h"
 
 #include <math.h>
 

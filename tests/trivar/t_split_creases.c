@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The pieces of a surface between its creases.
-#include "tests/trivar/surfaces.h"
+#include "tests/support/surfaces.h"
 
 #include <knurl/construct.h>
 

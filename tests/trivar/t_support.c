@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Support positions: places that are known, from closed forms and from T itself, and none that is lost.
-#include "tests/trivar/kinds.h"
+#include "tests/support/kinds.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // T as one trivariate spline.
-#include "tests/trivar/kinds.h"
+#include "tests/support/kinds.h"
 
 #include <math.h>
 

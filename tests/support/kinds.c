@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Shells of other kinds than S + w n for the tests.
-#include "tests/trivar/kinds.h"
+#include "tests/support/kinds.h"
 
 #include <knurl/construct.h>
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Surfaces that the tests of shells share, and their direct evaluation in long double.
-#ifndef TESTS_TRIVAR_SURFACES_H
-#define TESTS_TRIVAR_SURFACES_H
+#ifndef TESTS_SUPPORT_SURFACES_H
+#define TESTS_SUPPORT_SURFACES_H
 
 #include "tests/support/support.h"
 

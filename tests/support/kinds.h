@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // Shells of other kinds than S + w n for the tests: fields, volumes, and T by direct evaluation.
-#ifndef TESTS_TRIVAR_KINDS_H
-#define TESTS_TRIVAR_KINDS_H
+#ifndef TESTS_SUPPORT_KINDS_H
+#define TESTS_SUPPORT_KINDS_H
 
-#include "tests/trivar/surfaces.h"
+#include "tests/support/surfaces.h"
 
 // A spline of ncomp components over the domain of `like` with one knot of its own in each variable; coefficients
 // uniform in middle +- radius.

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Surfaces that the tests of shells share, and their direct evaluation in long double.
-#include "tests/trivar/surfaces.h"
+#include "tests/support/surfaces.h"
 
 #include <math.h>
 #include <stdio.h>
