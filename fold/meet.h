@@ -31,7 +31,8 @@ typedef struct kn_meet_glue {
     int chart[2], var[2], end[2];
     bool reversed;
     double flip;
-    double jump; // bound of the distance between the two faces; INFINITY: the edges of the bases alone are the same
+    double base; // bound of the distance between the two edges of the bases
+    double jump; // of that between the two faces; INFINITY: the edges of the bases alone are the same
 } kn_meet_glue;
 
 typedef struct kn_meet_node {

@@ -86,16 +86,16 @@ static kn_status compare(kn_meet *m, double *jump, const kn_spline *a, const kn_
     return status;
 }
 
-// *same: the two edges of the bases (heights 0) are one curve.
-static kn_status same_base(kn_meet *m, bool *same, const kn_spline *a, const kn_spline *b, bool reversed)
+// *jump: the distance of the two edges of the bases (heights 0).
+static kn_status base_jump(kn_meet *m, double *jump, const kn_spline *a, const kn_spline *b, bool reversed)
 {
     kn_spline x = {0}, y = {0};
-    double jump = INFINITY;
+    *jump = INFINITY;
     kn_status status = kn_spline_isoparametric(m->ctx, &x, a, 1, 0.0);
     if (status == KN_OK) status = kn_spline_isoparametric(m->ctx, &y, b, 1, 0.0);
     if (status == KN_OK && reversed) status = kn_spline_reverse(m->ctx, &y, &y, 0);
-    if (status == KN_OK) status = distance(m, &jump, &x, &y);
-    *same = jump <= m->resolution;
+    if (status == KN_OK) status = distance(m, jump, &x, &y);
+    *jump += 0x1p-44 * m->whole; // more than the rounding of the two isoparametric curves
     kn_spline_clear(m->ctx, &x);
     kn_spline_clear(m->ctx, &y);
     return status;
@@ -118,14 +118,18 @@ static bool is_near(const kn_meet *m, const double *a, const double *b)
 static kn_status join(kn_meet *m, const edge *a, const edge *b)
 {
     for (int reversed = 0; reversed < 2; reversed++) {
-        bool same = false, any = false;
+        bool any = false;
+        double base;
         kn_status status = KN_OK;
         if (!is_near(m, a->tip[0], b->tip[reversed]) || !is_near(m, a->tip[1], b->tip[1 - reversed])) continue;
-        status = same_base(m, &same, &a->face, &b->face, reversed);
+        status = base_jump(m, &base, &a->face, &b->face, reversed);
         if (status != KN_OK) return status;
-        if (!same) continue;
-        kn_meet_glue g = {
-            .chart = {a->chart, b->chart}, .var = {a->var, b->var}, .end = {a->end, b->end}, .reversed = reversed};
+        if (!(base <= m->resolution)) continue;
+        kn_meet_glue g = {.chart = {a->chart, b->chart},
+                          .var = {a->var, b->var},
+                          .end = {a->end, b->end},
+                          .reversed = reversed,
+                          .base = base};
         for (int flip = 0; flip < 2 && status == KN_OK; flip++) {
             g.flip = flip ? -1.0 : 1.0;
             status = compare(m, &g.jump, &a->face, &b->face, reversed, g.flip);

@@ -226,6 +226,7 @@ kn_status kn_meet_split(kn_meet *m, int index)
     int d = half[0].cut, middle = (half[0].first[d] + half[0].last[d] + 1) / 2;
     double x = 0.5 * half[0].lo[d] + 0.5 * half[0].hi[d];
     if (half[0].first[d] != half[0].last[d]) x = m->charts[half[0].chart].breaks[d][middle];
+    if (d == 2 && half[0].lo[2] < 0.0 && half[0].hi[2] > 0.0) x = 0.0; // edges and tips of the base lie there
     half[0].hi[d] = half[1].lo[d] = x;
     for (int i = 0; i < 2; i++) {
         half[i].child[0] = half[i].child[1] = -1;
