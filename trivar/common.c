@@ -47,6 +47,24 @@ double kn_largest_vector(const kn_bezier *b, int first, int count)
     return sqrt(largest[0] > largest[1] ? largest[0] : largest[1]) / scale;
 }
 
+kn_extent kn_extent_of(const kn_spline *s)
+{
+    const double units = 0x1p-49;
+    size_t count = kn_spline_count(s);
+    kn_extent e = {0};
+    for (size_t c = 0; c < 3; c++) {
+        double lo = INFINITY, hi = -INFINITY;
+        for (size_t i = 0; i < count; i++) {
+            double x = s->coef[c * count + i] / (s->rational ? s->coef[3 * count + i] : 1.0);
+            lo = fmin(lo, x), hi = fmax(hi, x);
+        }
+        e.size = fmax(e.size, hi - lo);
+        e.middle[c] = 0.5 * lo + 0.5 * hi;
+        e.slack = fmax(e.slack, units * fmax(-lo, hi));
+    }
+    return e;
+}
+
 double kn_gamma(double k)
 {
     double ku = k * 0x1p-53;

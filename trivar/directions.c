@@ -6,10 +6,27 @@
 
 #include <math.h>
 
+// Far from the origin coordinates are mostly translation, which normals do not depend on: without it nothing is lost
+// but what the coordinates have lost already. Nearer than this nothing is gained.
+kn_status kn_spline_to_origin(kn_ctx *ctx, kn_spline *out, const kn_spline *s)
+{
+    const double far = 4.0;
+    kn_extent e = kn_extent_of(s);
+    size_t count = kn_spline_count(s);
+    kn_status status = kn_spline_copy(ctx, out, s);
+    for (size_t c = 0; c < 3 && status == KN_OK; c++) {
+        double *x = out->coef + c * count;
+        const double *w = s->rational ? s->coef + 3 * count : NULL;
+        for (size_t i = 0; i < count && fabs(e.middle[c]) > far * e.size; i++)
+            x[i] = w ? fma(-e.middle[c], w[i], x[i]) : x[i] - e.middle[c];
+    }
+    return status;
+}
+
 // The largest vector and the largest weight of the control points that act on span i, j of S.
 static void find_acting(double acting[2], const kn_shell *s, size_t i, size_t j)
 {
-    const kn_spline *f = &s->surface;
+    const kn_spline *f = &s->local;
     size_t count = kn_spline_count(f), at[2] = {i, j}, first[2];
     acting[0] = acting[1] = 0.0;
     for (int v = 0; v < 2; v++)
@@ -54,7 +71,7 @@ kn_status kn_shell_make_directions(kn_ctx *ctx, kn_shell *s)
         bool zero = false;
         double acting[2];
         find_acting(acting, s, i / columns, i % columns);
-        kn_status status = kn_direction_init(ctx, &s->direction[i], &zero, &s->span[i], acting);
+        kn_status status = kn_direction_init(ctx, &s->direction[i], &zero, &s->local_span[i], acting, s->slack);
         flat += zero;
         if (status == KN_OK && zero && i > flat - 1) status = no_area(ctx, s, i);
         if (status == KN_OK && !zero) status = expect_regular(ctx, s, i, &work);

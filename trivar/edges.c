@@ -6,28 +6,14 @@
 
 static const double alike = 1e-10; // normals that count as one: sines of angles
 
-// The largest side of the box of the control points.
-static double size_of(const kn_spline *s)
+// True where all control points of the edge of S are one point, to 1e-12 of the surface's size and what the rounding
+// of coordinates leaves.
+static bool collapsed(double point[3], const kn_shell *shell, int var, int end)
 {
-    size_t count = kn_spline_count(s);
-    double size = 0.0;
-    for (size_t c = 0; c < 3; c++) {
-        double lo = INFINITY, hi = -INFINITY;
-        for (size_t i = 0; i < count; i++) {
-            double x = s->coef[c * count + i] / (s->rational ? s->coef[3 * count + i] : 1.0);
-            lo = fmin(lo, x), hi = fmax(hi, x);
-        }
-        size = fmax(size, hi - lo);
-    }
-    return size;
-}
-
-// True where all control points of the edge of S are one point, to 1e-12 of the surface's size.
-static bool collapsed(double point[3], const kn_spline *s, int var, int end)
-{
+    const kn_spline *s = &shell->surface;
     size_t count = kn_spline_count(s), cross = (size_t)s->count[1 - var];
     size_t first = end ? (size_t)(s->count[var] - 1) : 0, step = var == 0 ? 1 : (size_t)s->count[1];
-    double near = 1e-12 * size_of(s);
+    double near = 1e-12 * shell->size + 2.0 * shell->slack;
     first *= var == 0 ? cross : 1;
     for (size_t c = 0; c < 3; c++)
         for (size_t k = 0; k < cross; k++) {
@@ -39,9 +25,11 @@ static bool collapsed(double point[3], const kn_spline *s, int var, int end)
     return true;
 }
 
-// Whether all coefficients of n along the edge are parallel to the unit vector d, and n points its way.
-static bool along(const kn_bezier *n, int var, int end, const double d[3])
+// Whether all coefficients of n along the edge are parallel to the unit vector d, and n points its way. Each is off
+// by the direction's error.
+static bool along(const kn_direction *direction, int var, int end, const double d[3])
 {
+    const kn_bezier *n = &direction->n;
     size_t count = kn_bezier_count(n), cross = (size_t)n->degree[1 - var] + 1;
     size_t step = var == 0 ? 1 : (size_t)n->degree[1] + 1, first = end ? (size_t)n->degree[var] : 0;
     if (var == 0) first *= cross;
@@ -56,14 +44,14 @@ static bool along(const kn_bezier *n, int var, int end, const double d[3])
         }
         largest = fmax(largest, square), off = fmax(off, x);
     }
-    return forward > 0.0 && sqrt(off) <= alike * sqrt(largest);
+    return forward > 0.0 && sqrt(off) <= alike * sqrt(largest) + 4.0 * direction->error;
 }
 
 kn_shell_edge kn_edge_of(const kn_shell *s, int var, int end)
 {
     kn_shell_edge edge = {.kind = KN_EDGE_CURVE};
     double point[3], d[3], corner[2] = {0.0, 0.0};
-    bool pole = collapsed(point, &s->surface, var, end);
+    bool pole = collapsed(point, s, var, end);
     if (pole) edge.kind = KN_EDGE_POLE;
     for (int c = 0; c < 3 && pole; c++) edge.point[c] = point[c];
     int columns = s->nknots[1] - 1, spans = s->nknots[1 - var] - 1, row = end ? s->nknots[var] - 2 : 0;
@@ -72,7 +60,7 @@ kn_shell_edge kn_edge_of(const kn_shell *s, int var, int end)
         const kn_direction *here = &s->direction[var == 0 ? row * columns + j : j * columns + row];
         if (j == 0) (void)kn_direction_unit(d, &here->n, corner);
         if (here->order[var][end] > edge.order) edge.order = here->order[var][end];
-        if (pole && !along(&here->n, var, end, d)) edge.kind = KN_EDGE_APEX;
+        if (pole && !along(here, var, end, d)) edge.kind = KN_EDGE_APEX;
     }
     return edge;
 }

@@ -169,11 +169,11 @@ kn_status kn_shell_cut(kn_ctx *ctx, kn_bezier **span, kn_bezier **cell, const kn
 
 kn_status kn_shell_ends_meet(kn_ctx *ctx, bool *meet, const kn_spline *f, int var)
 {
-    double lo[KN_MAX_COMPS], hi[KN_MAX_COMPS], size = 0.0, worst = 0.0;
+    double lo[KN_MAX_COMPS], hi[KN_MAX_COMPS], size = 0.0, far = 0.0, worst = 0.0;
     kn_status status = kn_spline_box(ctx, lo, hi, f);
     if (status != KN_OK) return status;
     int dim = kn_spline_dim(f), n = f->count[var];
-    for (int c = 0; c < dim; c++) size = fmax(size, hi[c] - lo[c]);
+    for (int c = 0; c < dim; c++) size = fmax(size, hi[c] - lo[c]), far = fmax(far, fmax(-lo[c], hi[c]));
     for (int c = 0; c < dim && size == 0.0; c++)
         size = fmax(size, fabs(hi[c])); // a constant: rounding against itself
     size_t count = kn_spline_count(f), inner = 1;
@@ -189,7 +189,7 @@ kn_status kn_shell_ends_meet(kn_ctx *ctx, bool *meet, const kn_spline *f, int va
         }
         worst = fmax(worst, size * fabs(wa - wb) / fmax(wa, wb));
     }
-    *meet = worst <= 1e-12 * size;
+    *meet = worst <= 1e-12 * size + 2.0 * 0x1p-49 * far; // as kn_extent has it
     return KN_OK;
 }
 

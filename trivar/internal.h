@@ -34,6 +34,9 @@ typedef enum kn_shell_kind {
 struct kn_shell {
     kn_shell_kind kind;
     kn_spline surface, normal;
+    kn_spline local;          // S, or the volume, less a translation: what normals and Jacobians are computed from
+    kn_bezier *local_span;    // its nspans pieces over the knot spans; NULL of a volume
+    double size, slack;       // of S or of the volume: kn_extent
     kn_shell_field thickness; // h; `whole` empty: 1
     kn_shell_field field[KN_SHELL_TERMS - 1];
     int nfields;
@@ -56,6 +59,13 @@ struct kn_shell {
     kn_normal_certificate certificate;   // of all of them
 };
 
+// Where the control points of a spline in space lie.
+typedef struct kn_extent {
+    double size;      // the largest side of their box
+    double middle[3]; // of the box
+    double slack;     // what the rounding of coordinates as far from the origin as these may be: 16 units
+} kn_extent;
+kn_extent kn_extent_of(const kn_spline *s);
 // The interval of breaks[0 .. n-1] that serves x: the right-hand one at a break, the end ones outside.
 int kn_interval(const double *breaks, int n, double x);
 // The largest Euclidean norm of a coefficient vector, components first .. first+count-1.
@@ -80,7 +90,8 @@ kn_status kn_shell_resolve(kn_ctx *ctx, kn_shell_options *out, const kn_shell_op
 kn_status kn_shell_take_fields(kn_ctx *ctx, kn_shell *shell, const kn_shell_options *options);
 // The pieces of f over the spans and over the cells of the shell, whose grid is there.
 kn_status kn_shell_cut(kn_ctx *ctx, kn_bezier **span, kn_bezier **cell, const kn_shell *shell, const kn_spline *f);
-// f is the same at both ends of variable var, to 1e-12 of its size; of a rational f so are the weights.
+// f is the same at both ends of variable var, to 1e-12 of its size and the rounding of its coordinates; of a rational
+// f so are the weights.
 kn_status kn_shell_ends_meet(kn_ctx *ctx, bool *meet, const kn_spline *f, int var);
 // No longer closed: directions in which the normals of the two edges differ, a crease.
 void kn_shell_open_seams(kn_shell *shell);
@@ -96,8 +107,9 @@ kn_status kn_shell_term(kn_ctx *ctx, kn_spline *out, int *power, const kn_shell 
 // ---- numerator.c ----
 // *out = the direction of one piece of S; *zero: its area vanishes identically (then *out stays empty).
 // acting: the largest vector (without the weight) and weight among the control points of S behind the piece.
+// slack: edges that vanish when the points of S move so far count as vanishing.
 kn_status kn_direction_init(kn_ctx *ctx, kn_direction *out, bool *zero, const kn_bezier *piece,
-                            const double acting[2]);
+                            const double acting[2], double slack);
 void kn_direction_clear(kn_ctx *ctx, kn_direction *d);
 // The length of the direction at x in [0,1]^2 of the span, and the unit normal; 0 (and zeros) where it vanishes.
 double kn_direction_length(double unit[3], const kn_bezier *direction, const double x[2]);
@@ -113,6 +125,9 @@ typedef enum kn_regularity {
 kn_status kn_direction_regular(kn_ctx *ctx, kn_regularity *answer, double at[2], const kn_direction *d, double *work);
 // ---- directions.c ----
 #define KN_REGULAR_WORK 1e8 // for a whole surface: some tenths of a second
+// *out = s less a translation that brings it to the origin where it lies far from there (and is 0 else): subtraction
+// of numbers that are alike is exact, and the weight times the translation takes one rounding of the result.
+kn_status kn_spline_to_origin(kn_ctx *ctx, kn_spline *out, const kn_spline *s);
 // direction[], one for each span; refuses a surface without area or without a normal.
 kn_status kn_shell_make_directions(kn_ctx *ctx, kn_shell *shell);
 // Lowers *max_degree, of n or of m, to what the certificates can multiply.
@@ -188,8 +203,8 @@ typedef struct kn_box_map {
     kn_bezier weight;             // empty: polynomial
     double error[KN_BOX_TERMS];   // of every coefficient vector
     double weight_error, weight_size;
-    double width[3], span[3]; // of the box and of the whole domain, in the parameters of T
-    double size;              // of S, wherever it lies
+    double width[3], knot[3], span[3]; // of the box, its knot span and the whole domain, in the parameters of T
+    double size, slack;                // kn_extent of S
 } kn_box_map;
 // *out: its j, error, denominator, and where `divided` also order and flat; the rest is left as it is.
 kn_status kn_jacobian_of(kn_ctx *ctx, kn_shell_jacobian_piece *out, const kn_box_map *map, bool divided);

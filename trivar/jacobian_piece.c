@@ -42,22 +42,6 @@ static void acting(double *vector, double *weight, const kn_spline *s, const dou
     *vector = sqrt(square);
 }
 
-// The extent of S, less a translation: of its control points.
-static double extent(const kn_spline *s)
-{
-    size_t count = kn_spline_count(s);
-    double size = 0.0;
-    for (size_t c = 0; c < 3; c++) {
-        double lo = INFINITY, hi = -INFINITY;
-        for (size_t k = 0; k < count; k++) {
-            double x = s->coef[c * count + k] / (s->rational ? s->coef[3 * count + k] : 1.0);
-            lo = fmin(lo, x), hi = fmax(hi, x);
-        }
-        size = fmax(size, hi - lo);
-    }
-    return size;
-}
-
 static void clear_map(kn_ctx *ctx, kn_box_map *map)
 {
     for (int k = 0; k < KN_BOX_TERMS; k++) kn_bezier_clear(ctx, &map->term[k]);
@@ -84,6 +68,7 @@ static place locate(kn_box_map *map, const kn_shell *s, const int at[2])
         p.span = v == 0 ? (size_t)from : p.span * (size_t)(s->nknots[1] - 1) + (size_t)from;
         p.middle[v] = cut[0] + 0.5 * (cut[1] - cut[0]);
         map->width[v] = cut[1] - cut[0];
+        map->knot[v] = width;
         map->span[v] = knot[s->nknots[v] - 1] - knot[0];
     }
     return p;
@@ -101,14 +86,14 @@ static kn_status take_surface(kn_ctx *ctx, kn_box_map *map, const kn_shell *s, c
 {
     kn_bezier piece = {0};
     double vector, weight;
-    kn_status status = kn_bezier_restrict(ctx, &piece, &s->span[p->span], p->lo, p->hi);
+    kn_status status = kn_bezier_restrict(ctx, &piece, &s->local_span[p->span], p->lo, p->hi);
     if (status == KN_OK) status = kn_bezier_components(ctx, &map->term[0], &piece, 0, 3);
     if (status == KN_OK && piece.rational) status = kn_bezier_components(ctx, &map->weight, &piece, 3, 1);
-    acting(&vector, &weight, &s->surface, p->middle);
-    map->error[0] = extraction(&s->surface) * vector;
-    map->weight_error = extraction(&s->surface) * weight;
+    acting(&vector, &weight, &s->local, p->middle);
+    map->error[0] = extraction(&s->local) * vector;
+    map->weight_error = extraction(&s->local) * weight;
     map->weight_size = piece.rational ? weight : 1.0;
-    map->size = extent(&s->surface);
+    map->size = s->size, map->slack = s->slack;
     kn_bezier_clear(ctx, &piece);
     return status;
 }
@@ -157,6 +142,12 @@ static kn_status take_terms(kn_ctx *ctx, kn_box_map *map, const kn_shell *s, con
 
 // ---- a volume ----
 
+static double knot_width(const kn_spline *s, int var, double x)
+{
+    int k = kn_knots_span(s->knots[var], s->degree[var], s->count[var], x);
+    return s->knots[var][k + 1] - s->knots[var][k];
+}
+
 static kn_status take_volume(kn_ctx *ctx, kn_box_map *map, const kn_shell *s, const double lo[3], const double hi[3])
 {
     kn_spline part = {0};
@@ -167,18 +158,19 @@ static kn_status take_volume(kn_ctx *ctx, kn_box_map *map, const kn_shell *s, co
         kn_spline_domain(&s->volume, v, &a, &b);
         map->width[v] = hi[v] - lo[v];
         middle[v] = lo[v] + 0.5 * (hi[v] - lo[v]);
+        map->knot[v] = knot_width(&s->volume, v, middle[v]);
         map->span[v] = b - a;
     }
-    kn_status status = kn_spline_restrict(ctx, &part, &s->volume, lo, hi);
+    kn_status status = kn_spline_restrict(ctx, &part, &s->local, lo, hi);
     kn_bezier piece = {.nvars = 3, .ncomp = part.ncomp, .coef = part.coef};
     for (int v = 0; v < 3; v++) piece.degree[v] = part.degree[v];
     if (status == KN_OK) status = kn_bezier_components(ctx, &map->term[0], &piece, 0, 3);
     if (status == KN_OK && part.rational) status = kn_bezier_components(ctx, &map->weight, &piece, 3, 1);
-    acting(&vector, &weight, &s->volume, middle);
-    map->error[0] = extraction(&s->volume) * vector;
-    map->weight_error = extraction(&s->volume) * weight;
+    acting(&vector, &weight, &s->local, middle);
+    map->error[0] = extraction(&s->local) * vector;
+    map->weight_error = extraction(&s->local) * weight;
     map->weight_size = part.rational ? weight : 1.0;
-    map->size = extent(&s->volume);
+    map->size = s->size, map->slack = s->slack;
     kn_spline_clear(ctx, &part);
     return status;
 }

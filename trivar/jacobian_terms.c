@@ -153,7 +153,8 @@ static void clear_rows(factor *f, int var, int end, int most, double slack)
     }
 }
 
-// An edge along which a derivative of S, over the whole domain, is below 1e-12 of S's size has collapsed: S's
+// An edge along which a derivative of S, over the whole domain, is below 1e-12 of S's size, or what the rounding of
+// coordinates makes, has collapsed: S's
 // derivative vanishes there, and so does that of another field whose own is as small.
 static void collapse(factor (*d)[3], const kn_box_map *t)
 {
@@ -161,7 +162,9 @@ static void collapse(factor (*d)[3], const kn_box_map *t)
         for (int var = 0; var < t->nvars; var++) {
             factor *s = &d[0][var];
             double weight = t->weight.coef ? t->weight_size * t->weight_size : 1.0;
-            clear_rows(s, e / 2, e % 2, s->b.degree[e / 2], s->error + 1e-12 * t->size * weight / t->span[var]);
+            double points = 4.0 * t->term[0].degree[var] * t->slack / t->knot[var]; // off by the slack each
+            double near = s->error + weight * (1e-12 * t->size / t->span[var] + points);
+            clear_rows(s, e / 2, e % 2, s->b.degree[e / 2], near);
             for (int k = 1; k < t->nterms; k++) {
                 factor *f = &d[k][var];
                 double slack = f->error + 1e-12 * kn_largest_vector(&t->term[k], 0, 3) / t->span[var];

@@ -90,12 +90,15 @@ static kn_status numerator(kn_ctx *ctx, kn_bezier *out, kn_bezier *t, bool ratio
 
 // A product's coefficients are means of products of its factors' coefficients, so its rounding is at most gamma(k)
 // times the product of the largest ones; the factors' own errors enter by the product rule. g: the relative error of
-// the piece's coefficients (extraction from a spline), against the control points behind it, which may be larger.
-static double numerator_error(const kn_bezier *t, const kn_bezier *piece, const double acting[2], bool rational)
+// the piece's coefficients (extraction from a spline, and a translation before that), against the control points
+// behind it, which may be larger; slack: of the points themselves.
+static double numerator_error(const kn_bezier *t, const kn_bezier *piece, const double acting[2], double slack)
 {
+    bool rational = piece->rational;
     int du = piece->degree[0], dv = piece->degree[1];
     double terms = 2.0 * (du + 1) * (dv + 1), g = kn_gamma(6.0 * (du + dv + 2));
-    double gp = g * fmax(1.0, acting[0] / kn_largest_vector(piece, 0, 3)),
+    double size = kn_largest_vector(piece, 0, 3), far = slack * (rational ? acting[1] : 1.0);
+    double gp = g * fmax(1.0, acting[0] / size) + far / size,
            gw = rational ? g * fmax(1.0, acting[1] / kn_largest_vector(piece, 3, 1)) : 0.0;
     double p = kn_largest_vector(&t[P], 0, 3), pu = kn_largest_vector(&t[PU], 0, 3),
            pv = kn_largest_vector(&t[PV], 0, 3);
@@ -116,9 +119,11 @@ static double numerator_error(const kn_bezier *t, const kn_bezier *piece, const 
 
 // ---- edges ----
 
-// Sets the rows from this edge inwards to zero for as long as they are zero within the error.
-static void clear_edge(kn_bezier *n, double error, int var, bool at_end)
+// Sets the rows from this edge inwards to zero for as long as they are zero within `near`; a row beyond the error of
+// d raises that to `near`: then d is of the surface whose edge has collapsed exactly, and that is so far away.
+static void clear_edge(kn_direction *d, double near, int var, bool at_end)
 {
+    kn_bezier *n = &d->n;
     int rows = n->degree[var] + 1, cross = n->degree[1 - var] + 1;
     size_t count = kn_bezier_count(n);
     for (int r = 0; r < rows - 1; r++) {
@@ -129,36 +134,41 @@ static void clear_edge(kn_bezier *n, double error, int var, bool at_end)
             double c = n->coef[k / (size_t)cross * count + first + k % (size_t)cross * step];
             largest = fmax(largest, fabs(c));
         }
-        if (largest > error) return;
+        if (!(largest <= near)) return;
+        if (largest > d->error) d->error = near;
         for (size_t k = 0; k < (size_t)(3 * cross); k++)
             n->coef[k / (size_t)cross * count + first + k % (size_t)cross * step] = 0.0;
     }
 }
 
 // Dividing by x scales coefficient i of degree n by n/i <= n.
-static kn_status divide_edges(kn_ctx *ctx, kn_direction *d)
+static kn_status divide_edges(kn_ctx *ctx, kn_direction *d, double near)
 {
     kn_status status = KN_OK;
     for (int e = 0; e < 4 && status == KN_OK; e++) {
         int var = e / 2, *order = &d->order[var][e % 2];
-        clear_edge(&d->n, d->error, var, e % 2);
+        clear_edge(d, near, var, e % 2);
         status = kn_bezier_divide_edge(ctx, &d->n, order, &d->n, var, e % 2);
-        for (int k = 0; k < *order && status == KN_OK; k++) d->error *= d->n.degree[var] + *order - k;
+        for (int k = 0; k < *order && status == KN_OK; k++) {
+            d->error *= d->n.degree[var] + *order - k;
+            near *= d->n.degree[var] + *order - k;
+        }
     }
     return status;
 }
 
 kn_status kn_direction_init(kn_ctx *ctx, kn_direction *out, bool *zero, const kn_bezier *piece,
-                            const double acting[2])
+                            const double acting[2], double slack)
 {
     kn_bezier t[NTEMP] = {0};
     kn_direction d = {0};
     kn_status status = factors(ctx, t, &d.exponent, piece);
     if (status == KN_OK) status = numerator(ctx, &d.n, t, piece->rational);
     if (status == KN_OK) {
-        d.error = numerator_error(t, piece, acting, piece->rational);
-        *zero = !(kn_largest_vector(&d.n, 0, 3) > 2.0 * d.error);
-        if (!*zero) status = divide_edges(ctx, &d);
+        double near = numerator_error(t, piece, acting, slack);
+        d.error = numerator_error(t, piece, acting, 0.0);
+        *zero = !(kn_largest_vector(&d.n, 0, 3) > 2.0 * near);
+        if (!*zero) status = divide_edges(ctx, &d, near);
     }
     if (status == KN_OK && !*zero) {
         *out = d;

@@ -36,11 +36,13 @@ void kn_shell_destroy(kn_ctx *ctx, kn_shell *shell)
     kn_spline_clear(ctx, &shell->surface);
     kn_spline_clear(ctx, &shell->normal);
     kn_spline_clear(ctx, &shell->volume);
+    kn_spline_clear(ctx, &shell->local);
     clear_field(ctx, shell, &shell->thickness);
     for (int k = 0; k < shell->nfields; k++) clear_field(ctx, shell, &shell->field[k]);
     for (size_t i = 0; i < shell->ndirections; i++) kn_direction_clear(ctx, &shell->direction[i]);
     kn_free(ctx, shell->direction);
     clear_pieces(ctx, shell->span, shell->nspans);
+    clear_pieces(ctx, shell->local_span, shell->nspans);
     clear_pieces(ctx, shell->cell, shell->ncells);
     clear_pieces(ctx, shell->normal_piece, shell->nnormal_pieces);
     kn_free(ctx, shell->certificates);
@@ -148,6 +150,17 @@ static kn_status cut_all(kn_ctx *ctx, kn_shell *s)
     return status;
 }
 
+static kn_status make_local(kn_ctx *ctx, kn_shell *s)
+{
+    const kn_spline *f = s->volume.coef ? &s->volume : &s->surface;
+    size_t spans = 0;
+    kn_extent e = kn_extent_of(f);
+    s->size = e.size, s->slack = e.slack;
+    kn_status status = kn_spline_to_origin(ctx, &s->local, f);
+    if (status == KN_OK && f == &s->surface) status = kn_spline_to_bezier(ctx, &s->local_span, &spans, &s->local);
+    return status;
+}
+
 static kn_status find_closed(kn_ctx *ctx, kn_shell *s)
 {
     kn_status status = KN_OK;
@@ -173,6 +186,7 @@ kn_status kn_shell_set_grid(kn_ctx *ctx, kn_shell *shell, const kn_shell_options
     kn_status status = set_lines(ctx, shell, options);
     if (status == KN_OK) status = find_closed(ctx, shell);
     if (status == KN_OK) status = cut_all(ctx, shell);
+    if (status == KN_OK) status = make_local(ctx, shell);
     if (status != KN_OK || shell->kind == KN_SHELL_NORMAL) return status;
     for (int v = 0; v < 2 && status == KN_OK; v++) {
         shell->cut[v] = kn_alloc(ctx, (size_t)shell->nlines[v], sizeof *shell->cut[v]);

@@ -100,7 +100,7 @@ typedef struct spans {
     kn_bezier *piece;
     size_t n;
     int columns;
-    double acting[2];
+    double acting[2], slack;
 } spans;
 
 static kn_status smooth_between(kn_ctx *ctx, bool *yes, const spans *s, size_t below, size_t above, int var,
@@ -112,7 +112,7 @@ static kn_status smooth_between(kn_ctx *ctx, bool *yes, const spans *s, size_t b
     bool zero = false, none = false;
     kn_status status = KN_OK;
     for (int k = 0; k < 2 && status == KN_OK && !none; k++) {
-        status = kn_direction_init(ctx, &d[k], &zero, &s->piece[at[k]], s->acting);
+        status = kn_direction_init(ctx, &d[k], &zero, &s->piece[at[k]], s->acting, s->slack);
         none = zero;
         if (status == KN_OK && !none) status = edge_of(ctx, &edge[k], &d[k], var, k == 0);
     }
@@ -156,9 +156,10 @@ static kn_status is_crease(kn_ctx *ctx, bool *crease, const spans *s, int var, i
 }
 
 // line[v]: the ends of the domain and the creases between them, n[v] of them.
-static kn_status find_lines(kn_ctx *ctx, double *const line[2], int n[2], const kn_spline *s, double limit)
+static kn_status find_lines(kn_ctx *ctx, double *const line[2], int n[2], const kn_spline *s, double slack,
+                            double limit)
 {
-    spans all = {.columns = kn_spline_spans(s, 1)};
+    spans all = {.columns = kn_spline_spans(s, 1), .slack = slack};
     size_t count = kn_spline_count(s);
     for (size_t i = 0; i < count; i++) {
         all.acting[0] = fmax(all.acting[0], hypot(hypot(s->coef[i], s->coef[count + i]), s->coef[2 * count + i]));
@@ -221,7 +222,10 @@ kn_status kn_shell_split_creases(kn_ctx *ctx, kn_spline **pieces, int counts[2],
     kn_mark mark = kn_scratch_mark(ctx);
     double *line[2];
     for (int v = 0; v < 2; v++) line[v] = kn_scratch(ctx, (size_t)kn_spline_spans(surface, v) + 1, sizeof *line[v]);
-    status = line[0] && line[1] ? find_lines(ctx, line, n, surface, tan(angle)) : KN_ENOMEM;
+    kn_spline local = {0};
+    status = line[0] && line[1] ? kn_spline_to_origin(ctx, &local, surface) : KN_ENOMEM;
+    if (status == KN_OK) status = find_lines(ctx, line, n, &local, kn_extent_of(surface).slack, tan(angle));
+    kn_spline_clear(ctx, &local);
     if (status == KN_OK) status = cut(ctx, pieces, surface, line, n);
     for (int v = 0; v < 2 && status == KN_OK; v++) counts[v] = n[v] - 1;
     kn_scratch_release(ctx, mark);

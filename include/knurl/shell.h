@@ -161,8 +161,9 @@ typedef struct kn_shell_edge {
     double point[3]; // of a pole or apex
     int order;       // how often the vanishing factor was divided out of S_u x S_v there, the most of all spans
 } kn_shell_edge;
-// edges[variable][end]. One point: all control points of the edge, to 1e-12 of the surface's size. One normal: all
-// coefficients of N along the edge, to 1e-10 of the largest. At an apex each parameter line keeps its own limit of
+// edges[variable][end]. One point: all control points of the edge, to 1e-12 of the surface's size and 32 units of
+// rounding of the largest coordinate. One normal: all coefficients of N along the edge, to 1e-10 of the largest and
+// what that rounding makes of them. At an apex each parameter line keeps its own limit of
 // the normal: the shell opens there, into the arc or circle that n draws at distance w. Where S is no base of normals
 // (a direction of its own, a volume) every collapsed edge is a pole of order 0.
 KN_API void kn_shell_edges(const kn_shell *shell, kn_shell_edge edges[2][2]);
@@ -281,9 +282,10 @@ KN_API KN_CHECKED kn_status kn_shell_map_normal_estimate(kn_ctx *ctx, double out
 // ---- the Jacobian ----
 
 // Common to the functions of this part: J is that of T as the shell holds it (n fitted, fields exact). An edge of a
-// box along which a derivative of S, times the width of the domain, is below 1e-12 of S's size counts as collapsed to
-// a point, and n's and the fields' derivatives along it that are as small count as 0: what is certified then is said
-// of the surface with this edge collapsed exactly.
+// box along which a derivative of S, times the width of the domain, is below 1e-12 of S's size, or what some
+// units of rounding of the largest coordinate make, counts as collapsed to a point, and n's and the fields'
+// derivatives along it that are as small count as 0: what is certified then is said of the surface with this edge
+// collapsed exactly.
 
 // det dT/d(u,v,w) = sum_k J_k(u,v) w^k, or of a volume one J_0(u,v,w).
 // out:    *coefficients: *n splines with one component, kn_spline_clear each, kn_free; those of one shell share their
