@@ -21,6 +21,7 @@ typedef struct kn_meet_chart {
     double error[4];  // of every coefficient, component by component
     double *jump[2];  // how far the pieces on the two sides of a break differ; INFINITY: too far to be one
     bool pole[2][2];  // [variable][end]: one point for each height
+    bool apex[2][2];  // one point on the base, and not elsewhere
     double base;      // the height of the base
     bool flat_weight; // the weight does not depend on w
 } kn_meet_chart;
@@ -109,8 +110,8 @@ kn_status kn_meet_split(kn_meet *m, int node);
 bool kn_meet_separate(const kn_oriented_box *a, const kn_oriented_box *b, double shrink);
 // *apart: control points of the two nodes have a plane between them. Nodes of a few pieces alone are looked at.
 kn_status kn_meet_plane(kn_meet *m, bool *apart, int a, int b);
-// Two nodes that share a fibre (a corner of their (u,v), or a pole): *apart when a plane through it keeps all else of
-// them apart.
+// Two nodes that share a fibre (a corner of their (u,v), or a pole) or its point on the base (or an apex): *apart when
+// a plane through it keeps all else of them apart.
 kn_status kn_meet_fibre(kn_meet *m, bool *apart, int a, int b);
 
 // ---- meet_local.c ----

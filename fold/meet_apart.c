@@ -115,7 +115,7 @@ typedef struct part {
     const kn_meet_node *node;
     int end[3];
     double at[3]; // a place there
-    bool special; // a pole, or a corner of the chart: other parameters may have the same fibre
+    bool special; // a pole, an apex, or a corner of the chart: other parameters may have the same fibre or point
 } part;
 
 // How a part's node lies to one side of a plane: f = v . T - c >= slope s - touch, s the sum of the distances from
@@ -278,6 +278,41 @@ static int corners(const kn_meet *m, part *out, const kn_meet_node *n)
     return count;
 }
 
+// Makes corners into their points on the base, where the node stands on it or hangs from it, and adds apices.
+static int points(const kn_meet *m, part *out, const part *corner, int n, const kn_meet_node *node)
+{
+    const kn_meet_chart *c = &m->charts[node->chart];
+    int count = 0, end = node->lo[2] == 0.0 ? 0 : node->hi[2] == 0.0 ? 1 : -1;
+    if (end < 0) return 0;
+    for (int i = 0; i < n; i++) {
+        out[count] = corner[i];
+        out[count++].end[2] = end;
+    }
+    for (int i = 0; i < 4; i++) {
+        int d = i / 2, e = i % 2;
+        if (!c->apex[d][e] || !is_end(c, node, d, e)) continue;
+        out[count] = (part){
+            .node = node, .end = {-1, -1, end}, .at = {node->lo[0], node->lo[1], 0.0}, .special = true};
+        out[count].end[d] = e, out[count].at[d] = e ? node->hi[d] : node->lo[d];
+        count++;
+    }
+    return count;
+}
+
+static kn_status same_point(kn_meet *m, bool *same, double *point, const part *a, const part *b)
+{
+    double p[3], away = 0.0;
+    const part *side[2] = {a, b};
+    for (int i = 0; i < 2; i++) {
+        const double at[3] = {side[i]->at[0], side[i]->at[1], 0.0};
+        kn_status status = kn_meet_point(m, i ? p : point, NULL, side[i]->node->chart, at);
+        if (status != KN_OK) return status;
+    }
+    for (int k = 0; k < 3; k++) away += (p[k] - point[k]) * (p[k] - point[k]);
+    *same = sqrt(away) <= m->resolution;
+    return KN_OK;
+}
+
 // *along: from the lower to the upper end of the fibre's heights, when a and b have the same one.
 static kn_status same_fibre(kn_meet *m, bool *same, double *along, double *point, const part *a, const part *b)
 {
@@ -307,22 +342,32 @@ static kn_status same_fibre(kn_meet *m, bool *same, double *along, double *point
     return KN_OK;
 }
 
+// Two lists of fibres, or of points: along is 0 then.
+static kn_status try_all(kn_meet *m, bool *apart, const part *x, int nx, const part *y, int ny, bool base_alone)
+{
+    for (int i = 0; i < nx; i++)
+        for (int j = 0; j < ny; j++) {
+            double along[3] = {0.0}, point[3];
+            bool same = false;
+            bool one = x[i].node->chart == y[j].node->chart && x[i].at[0] == y[j].at[0] && x[i].at[1] == y[j].at[1];
+            if (!one && !(x[i].special && y[j].special)) continue;
+            kn_status status = base_alone ? same_point(m, &same, point, &x[i], &y[j])
+                                          : same_fibre(m, &same, along, point, &x[i], &y[j]);
+            const part side[2] = {x[i], y[j]};
+            if (status == KN_OK && same) status = try_plane(m, apart, side, along, point);
+            if (status != KN_OK || *apart) return status;
+        }
+    return KN_OK;
+}
+
 kn_status kn_meet_fibre(kn_meet *m, bool *apart, int a, int b)
 {
-    part x[4], y[4];
+    part x[4], y[4], at[8], to[8];
     *apart = false;
     if (!is_small(&m->nodes[a]) || !is_small(&m->nodes[b])) return KN_OK;
     int nx = corners(m, x, &m->nodes[a]), ny = corners(m, y, &m->nodes[b]);
-    for (int i = 0; i < nx && !*apart; i++)
-        for (int j = 0; j < ny && !*apart; j++) {
-            double along[3], point[3];
-            bool same;
-            bool one = m->nodes[a].chart == m->nodes[b].chart && x[i].at[0] == y[j].at[0] && x[i].at[1] == y[j].at[1];
-            if (!one && !(x[i].special && y[j].special)) continue;
-            kn_status status = same_fibre(m, &same, along, point, &x[i], &y[j]);
-            const part side[2] = {x[i], y[j]};
-            if (status == KN_OK && same) status = try_plane(m, apart, side, along, point);
-            if (status != KN_OK) return status;
-        }
-    return KN_OK;
+    kn_status status = try_all(m, apart, x, nx, y, ny, false);
+    if (status != KN_OK || *apart) return status;
+    int na = points(m, at, x, nx, &m->nodes[a]), nb = points(m, to, y, ny, &m->nodes[b]);
+    return try_all(m, apart, at, na, to, nb, true);
 }

@@ -108,6 +108,28 @@ static bool is_pole(const kn_meet_chart *c, int var, int end, double tolerance)
     return true;
 }
 
+// Whether the edge of the base is one point within the tolerance, and no pole.
+static kn_status find_apex(kn_meet *m, kn_meet_chart *c, int var, int end, double tolerance)
+{
+    kn_spline base = {0};
+    double lo, hi;
+    c->apex[var][end] = false;
+    kn_spline_domain(&c->volume, 2, &lo, &hi);
+    if (c->pole[var][end] || !c->flat_weight || lo > 0.0 || hi < 0.0) return KN_OK;
+    kn_status status = kn_spline_isoparametric(m->ctx, &base, &c->volume, 2, 0.0);
+    kn_spline_domain(&c->volume, var, &lo, &hi);
+    if (status == KN_OK) status = kn_spline_isoparametric(m->ctx, &base, &base, var, end ? hi : lo);
+    size_t n = status == KN_OK ? kn_spline_count(&base) : 0;
+    c->apex[var][end] = n > 0;
+    for (size_t i = 0; i < 3 * n; i++) {
+        const double *x = base.coef, *w = base.rational ? x + 3 * n : NULL;
+        double y = x[i] / (w ? w[i % n] : 1.0), first = x[i - i % n] / (w ? w[0] : 1.0);
+        if (!(fabs(y - first) <= tolerance)) c->apex[var][end] = false;
+    }
+    kn_spline_clear(m->ctx, &base);
+    return status;
+}
+
 // ---- all of it ----
 
 // The heights that the regions of a shell need, made symmetric about the base where the shell allows that: a
@@ -156,8 +178,12 @@ kn_status kn_meet_charts(kn_meet *m, const kn_shell *const *shells, int nshells)
     if (!(m->whole > 0.0 && m->whole < INFINITY))
         return kn_fail(m->ctx, KN_EDOMAIN, "self-intersection: images of size %g", m->whole);
     for (int s = 0; s < nshells; s++)
-        for (int e = 0; e < 4; e++)
-            m->charts[s].pole[e / 2][e % 2] = is_pole(&m->charts[s], e / 2, e % 2, 0.01 * m->resolution);
+        for (int e = 0; e < 4; e++) {
+            double tolerance = 0.01 * m->resolution;
+            m->charts[s].pole[e / 2][e % 2] = is_pole(&m->charts[s], e / 2, e % 2, tolerance);
+            kn_status status = find_apex(m, &m->charts[s], e / 2, e % 2, tolerance);
+            if (status != KN_OK) return status;
+        }
     return KN_OK;
 }
 

@@ -10,6 +10,10 @@
 // H lies in the parameters of one chart, or of two that a glue makes one. At a pole, where T_u = 0, H is a triangle:
 // X is the distance from the pole, Y = X y, y across. With T - T_0(w) = X Q, in which the division is exact,
 // T_Y = Q_y and T_X = (X Q)_X - y Q_y.
+//
+// At an apex T_u = 0 where v = 0 and w = 0, v the distance from it. With both in parts of the box and z = v + w the
+// domain |Y| <= z, Y = z y, is convex, too. T_Y = T_y / z is a mean of values of T_yv and T_yw, as T_y is v times one
+// of the first and w times one of the second; T_v and T_w become T_v - y T_Y and T_w - y T_Y.
 #include "fold/meet_slopes.h"
 
 static bool invert(double out[3][3], double in[3][3])
@@ -95,22 +99,26 @@ static void edge_of(double *at, const kn_meet_chart *c, int var, int end)
     *at = c->breaks[var][end ? c->nbreaks[var] - 1 : 0];
 }
 
-// Makes the part a fan where its box touches a pole. across: y at its lo and hi.
+// Makes the part a fan where its box touches a pole or an apex. across: y at its lo and hi.
 static void open_fan(const kn_meet *m, kn_meet_part *p, double y0, double y1, double half)
 {
     const kn_meet_chart *c = &m->charts[p->chart];
-    p->pole = -1;
-    for (int d = 0; d < 2 && p->pole < 0; d++)
-        for (int e = 0; e < 2 && p->pole < 0; e++) {
+    bool stands = p->lo[2] == 0.0 || p->hi[2] == 0.0;
+    p->pole = p->tip = -1;
+    for (int d = 0; d < 2 && p->pole < 0 && p->tip < 0; d++)
+        for (int e = 0; e < 2 && p->pole < 0 && p->tip < 0; e++) {
             double at;
             edge_of(&at, c, d, e);
-            if (c->pole[d][e] && (e ? p->hi[d] >= at : p->lo[d] <= at)) p->pole = d, p->pole_end = e;
+            if (e ? p->hi[d] < at : p->lo[d] > at) continue;
+            if (c->pole[d][e]) p->pole = d, p->pole_end = e;
+            if (c->apex[d][e] && stands) p->tip = d, p->tip_end = e;
         }
-    if (p->pole < 0) return;
-    int y = 1 - p->pole;
+    p->fan = p->tip >= 0;
+    if (p->pole < 0 && p->tip < 0) return;
+    int x = p->pole >= 0 ? p->pole : p->tip, y = 1 - x;
     p->across[0] = y0, p->across[1] = y1;
     p->scale[y] *= half;
-    p->scale[p->pole] = fabs(p->scale[p->pole]);
+    if (p->pole >= 0) p->scale[x] = fabs(p->scale[x]);
 }
 
 // Whether the criterion fails already at the corners and in the middle of H: a guess that spares most of the work. At
@@ -165,7 +173,8 @@ static kn_status within(kn_meet *m, bool *injective, const kn_meet_node *a, cons
         p.scale[d] = p.hi[d] - p.lo[d];
     }
     open_fan(m, &p, -1.0, 1.0, 0.5);
-    p.free[0] = p.free[1] = p.pole < 0;
+    bool plain = p.pole < 0 && p.tip < 0;
+    p.free[0] = p.free[1] = plain;
     bool bent = false;
     int spans[2];
     for (int d = 0; d < 2; d++) {
@@ -173,7 +182,7 @@ static kn_status within(kn_meet *m, bool *injective, const kn_meet_node *a, cons
         kn_meet_overlap(&m->charts[p.chart], d, p.lo[d], p.hi[d], &first, &last);
         spans[d] = last - first + 1;
     }
-    kn_status status = p.pole < 0 && spans[0] * spans[1] > 2 ? looks_bent(m, &bent, &p) : KN_OK;
+    kn_status status = plain && spans[0] * spans[1] > 2 ? looks_bent(m, &bent, &p) : KN_OK;
     if (status == KN_OK && !bent)
         status = kn_meet_add_part(&h, &p);
     else
@@ -237,7 +246,8 @@ static kn_status across(kn_meet *m, bool *injective, const kn_meet_node *a, cons
     open_fan(m, &p, g->end[first] ? -far : edge, g->end[first] ? edge : -far, 0.5);
     open_fan(m, &q, g->end[second] ? far : edge, g->end[second] ? edge : far, 0.5);
     if ((p.pole >= 0) != (q.pole >= 0) || (p.pole >= 0 && (p.pole != ta || q.pole != tb))) return KN_OK;
-    p.free[xa] = q.free[xb] = p.pole < 0;
+    if ((p.tip >= 0) != (q.tip >= 0) || (p.tip >= 0 && (p.tip != ta || q.tip != tb))) return KN_OK;
+    p.free[xa] = q.free[xb] = p.pole < 0 && p.tip < 0;
     kn_status status = kn_meet_add_part(&h, &p);
     if (status == KN_OK && h.fits) status = kn_meet_add_part(&h, &q);
     if (status == KN_OK && h.fits) *injective = holds(&h);

@@ -106,6 +106,120 @@ static kn_status plain_column(kn_meet_hull *h, const share *s, int d)
     return KN_OK;
 }
 
+// ---- mixed partials ----
+
+// One component differentiated in a variable, per box; degree: before and after. Returns how many there are.
+static size_t differentiate(double *out, const double *x, int degree[3], int d)
+{
+    size_t inner = 1, outer = 1;
+    for (int e = d + 1; e < 3; e++) inner *= (size_t)degree[e] + 1;
+    for (int e = 0; e < d; e++) outer *= (size_t)degree[e] + 1;
+    kn_bernstein_differentiate(out, x, outer, degree[d], inner);
+    return outer * inner * (size_t)degree[d]--;
+}
+
+// The largest coefficients of a component and its derivatives in variables y and d, per box, errors included.
+typedef struct extents {
+    double all, y, d, both;
+} extents;
+
+// *both: where the coefficients of the mixed derivative go.
+static kn_status measure(kn_meet_hull *h, extents *out, double *both, const double *x, double error,
+                         const kn_meet_patch *p, int y, int d)
+{
+    int degree[3] = {p->net.degree[0], p->net.degree[1], p->net.degree[2]}, ny = degree[y], nd = degree[d];
+    double *one = kn_scratch(h->m->ctx, p->net.count, sizeof *one);
+    if (!one) return KN_ENOMEM;
+    out->all = kn_largest(x, p->net.count) + error;
+    out->d = kn_largest(one, differentiate(one, x, degree, d)) + 2.0 * nd * error;
+    degree[d] = nd;
+    out->y = kn_largest(one, differentiate(one, x, degree, y)) + 2.0 * ny * error;
+    out->both = kn_largest(both, differentiate(both, one, degree, d)) + 4.0 * ny * nd * error;
+    return KN_OK;
+}
+
+// T_yd times `scale`, a column for y: (N_yd - T_d w_y - T_y w_d - T w_yd) / w. Adds to most[c] what it reaches.
+static kn_status mixed_column(kn_meet_hull *h, const share *s, int y, int d, double scale, double most[3])
+{
+    const kn_meet_patch *p = &s->patch;
+    int ny = p->net.degree[y], nd = p->net.degree[d];
+    size_t n = p->net.count, less = n / (size_t)((ny + 1) * (nd + 1)) * (size_t)(ny * nd);
+    extents weight = {0}, t;
+    kn_status status = KN_OK;
+    h->fits = h->fits && less > 0;
+    if (!h->fits) return KN_OK;
+    kn_meet_vectors *v = new_vectors(h, s->p->column[y], less);
+    double *spare = kn_scratch(h->m->ctx, less, sizeof *spare), unit = fabs(scale) * (1.0 + s->ratio) / s->middle;
+    if (!v || !spare) return KN_ENOMEM;
+    if (p->rational) status = measure(h, &weight, spare, p->coef + 3 * n, p->error[3], p, y, d);
+    double wy = weight.y * (1.0 + s->ratio) / s->middle, wd = weight.d * (1.0 + s->ratio) / s->middle,
+           wyd = weight.both * (1.0 + s->ratio) / s->middle;
+    for (size_t c = 0; c < 3 && status == KN_OK; c++) {
+        double *x = v->x + c * less;
+        status = measure(h, &t, x, p->coef + c * n, p->error[c], p, y, d);
+        if (status != KN_OK) break;
+        double reach = t.all * (1.0 + s->ratio) / s->middle;
+        double ty = t.y * (1.0 + s->ratio) / s->middle + reach * wy,
+               td = t.d * (1.0 + s->ratio) / s->middle + reach * wd;
+        for (size_t k = 0; k < less; k++) x[k] *= scale / s->middle;
+        v->size[c] = kn_largest(x, less);
+        v->error[c] = 4.0 * ny * nd * (p->error[c] + kn_rounding(16.0) * t.all) * unit + v->size[c] * s->ratio +
+                      1.01 * fabs(scale) * (td * wy + ty * wd + reach * wyd);
+        most[c] = fmax(most[c], (v->size[c] + v->error[c]) * (1.0 + 0x1p-40));
+    }
+    return status;
+}
+
+// How far the edge that should be one point is from that, for each layer where it should. The layer of the base may
+// lie beside w = 0 by what rounding or a sliver left.
+static double spread(const share *s, int x, int y, bool base_alone, bool upper)
+{
+    const kn_meet_patch *p = &s->patch;
+    size_t n = p->net.count, iy = kn_net_inner(&p->net, y);
+    int nw = p->net.degree[2];
+    double left = 0.0, beside = upper ? fabs(s->hi[2]) : fabs(s->lo[2]);
+    for (size_t c = 0; c < 3; c++) {
+        double most = 0.0, size = kn_largest(p->coef + c * n, n);
+        for (int l = 0; l <= nw; l++) {
+            if (base_alone && l != (upper ? nw : 0)) continue;
+            size_t at = (size_t)l + (s->p->tip_end ? (size_t)p->net.degree[x] * kn_net_inner(&p->net, x) : 0);
+            double first = p->coef[c * n + at] / (p->rational ? p->coef[3 * n + at] : 1.0);
+            for (size_t i = 0; i <= (size_t)p->net.degree[y]; i++) {
+                size_t k = at + i * iy;
+                most = fmax(most, fabs(p->coef[c * n + k] - first * (p->rational ? p->coef[3 * n + k] : 1.0)));
+            }
+        }
+        most += 4.0 * (p->error[c] + kn_rounding(8.0) * size);
+        if (p->rational) most += 4.0 * p->error[3] * size * (1.0 + s->ratio) / s->middle;
+        if (base_alone) most += 4.0 * nw * beside / (s->hi[2] - s->lo[2]) * (size + s->middle * reach_of(s, c));
+        left += most * (1.0 + s->ratio) * (1.0 + s->ratio) / s->middle;
+    }
+    return left;
+}
+
+// Near an edge that is one point T_y = v q + w q' with q and q' means of T_yv and T_yw, all in parts of the box; at a
+// pole q' = 0. T less what it varies by along that edge is meant: that counts as a jump.
+static kn_status tip_columns(kn_meet_hull *h, const share *s)
+{
+    const kn_meet_part *p = s->p;
+    int x = p->tip, y = 1 - x;
+    const kn_meet_chart *c = &h->m->charts[p->chart];
+    bool pole = c->pole[x][p->tip_end], upper = p->lo[2] < 0.0;
+    double scale = s->scale[y] / (s->hi[y] - s->lo[y]), most[3] = {0.0};
+    double away = fabs(s->scale[x]) / (s->hi[x] - s->lo[x]) * (p->tip_end ? -1.0 : 1.0),
+           up = fabs(s->scale[2]) / (s->hi[2] - s->lo[2]) * (upper ? -1.0 : 1.0);
+    h->jump += 4.0 * spread(s, x, y, !pole, upper);
+    kn_status status = mixed_column(h, s, y, x, scale * away, most);
+    if (status == KN_OK && !pole) status = mixed_column(h, s, y, 2, scale * up, most);
+    for (int d = 0; d < 3 && status == KN_OK && h->fits; d++) {
+        if (d == y) continue;
+        status = plain_column(h, s, d);
+        double turn = p->fan ? fmax(fabs(p->across[0]), fabs(p->across[1])) : 0.0;
+        for (int k = 0; k < 3 && status == KN_OK && h->fits; k++) h->list->error[k] += 1.01 * turn * most[k];
+    }
+    return status;
+}
+
 // ---- poles ----
 
 // Coefficient (t, y, layer) of an array with degrees dt, dy, dw seen with the pole's variable first, at index 0.
@@ -307,6 +421,7 @@ static kn_status add_share(kn_meet_hull *h, kn_meet_part *p, const int at[3])
     s.flat = c->flat_weight;
     find_centers(s.center, &s.patch);
     recenter(&s.patch, s.center, s.flat);
+    if (p->tip >= 0) return tip_columns(h, &s);
     if (p->pole >= 0) status = fan_columns(h, &s);
     for (int d = 0; d < 3 && status == KN_OK; d++)
         if (d == 2 || p->pole < 0) status = plain_column(h, &s, d);
@@ -322,6 +437,7 @@ kn_status kn_meet_add_part(kn_meet_hull *h, kn_meet_part *p)
         for (int i = first[d] + 1; i <= last[d] && d < 2; i++) h->jump += c->jump[d][i];
     }
     if (p->pole >= 0 && first[p->pole] != last[p->pole]) h->fits = false;
+    if (p->tip >= 0 && (first[p->tip] != last[p->tip] || first[2] != last[2])) h->fits = false;
     if ((last[0] - first[0] + 1) * (last[1] - first[1] + 1) > KN_MEET_MOST) h->fits = false;
     h->fits = h->fits && h->jump <= h->m->resolution;
     p->first[0] = first[0], p->first[1] = first[1];

@@ -27,6 +27,10 @@ typedef struct kn_meet_part {
     double lo[3], hi[3], scale[3];
     int pole, pole_end; // the variable that runs away from a pole, -1: none
     double across[2];   // y at lo and hi of the other variable
+    // The variable that runs away from an edge that is one point, on the base or for each height, -1: none. T_u, u the
+    // other one, is then given divided by the distance. fan: in variables that spread from the tip.
+    int tip, tip_end;
+    bool fan;
     // H may count a variable at another rate on each knot interval, so that |T_d| is about 1 on all of them: where it
     // is free to, rate[d] for the intervals from first[d] on, 0: not known yet.
     bool free[2];

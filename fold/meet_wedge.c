@@ -7,6 +7,7 @@
 // is positive at all a and b and negative at all a' and b' leaves v = w = v' = w' = 0. m - (m.c / e.c) e is one for
 // each c when |m.c| <= k e.c, m.x > k |e.x| for all a and b, -m.x > k |e.x| for all a' and b'. Where the edges are
 // the same within j only, the distances are at most j (1 + k) / the least of those functionals, for unit m and e.
+// Where the edge ends at a pole or an apex a is itself a multiple of the distance from there: that is divided out.
 #include "fold/meet_slopes.h"
 
 static double dot(const double *a, const double *b)
@@ -101,9 +102,11 @@ static bool is_at(const kn_meet_chart *c, const kn_meet_node *n, int var, int en
     return end ? n->hi[var] >= c->breaks[var][c->nbreaks[var] - 1] : n->lo[var] <= c->breaks[var][0];
 }
 
-static kn_meet_part part_of(const kn_meet_node *n, int var, int end, int first)
+static kn_meet_part part_of(const kn_meet_chart *c, const kn_meet_node *n, int var, int end, int first)
 {
-    kn_meet_part p = {.chart = n->chart, .pole = -1};
+    kn_meet_part p = {.chart = n->chart, .pole = -1, .tip = -1};
+    for (int e = 0; e < 2; e++)
+        if ((c->pole[1 - var][e] || c->apex[1 - var][e]) && is_at(c, n, 1 - var, e)) p.tip = 1 - var, p.tip_end = e;
     for (int d = 0; d < 3; d++) p.lo[d] = n->lo[d], p.hi[d] = n->hi[d], p.scale[d] = n->hi[d] - n->lo[d];
     p.scale[var] *= end ? -1.0 : 1.0;
     p.scale[2] *= stands(n);
@@ -119,7 +122,8 @@ kn_status kn_meet_wedge(kn_meet *m, bool *apart, const kn_meet_node *a, const kn
     kn_meet_hull h = {.m = m, .fits = true, .jump = g->base};
     if (!is_at(ca, a, g->var[first], g->end[first]) || !is_at(cb, b, g->var[second], g->end[second])) return KN_OK;
     if (stands(a) == 0.0 || stands(b) == 0.0) return KN_OK;
-    kn_meet_part p = part_of(a, g->var[first], g->end[first], 1), q = part_of(b, g->var[second], g->end[second], 3);
+    kn_meet_part p = part_of(ca, a, g->var[first], g->end[first], 1),
+                 q = part_of(cb, b, g->var[second], g->end[second], 3);
     double t0 = ca->breaks[ta][0], la = ca->breaks[ta][ca->nbreaks[ta] - 1] - t0, s0 = cb->breaks[tb][0],
            lb = cb->breaks[tb][cb->nbreaks[tb] - 1] - s0;
     double lo = (b->lo[tb] - s0) / lb, hi = (b->hi[tb] - s0) / lb;

@@ -161,25 +161,44 @@ static double way_across(const search *s, const kn_meet_glue *g, int first, doub
     return way + fabs(s->x[0][2]) * l[0][2] + fabs(s->x[1][2]) * l[1][2];
 }
 
-// The length of a way through a corner that both have.
+// A corner of a chart or an edge that is one point, and how far it is from a place.
+typedef struct tip {
+    double point[3], reach;
+} tip;
+
+static kn_status find_tips(kn_meet *m, tip out[8], int *n, int chart, const double x[3], const double l[3])
+{
+    const kn_meet_chart *c = &m->charts[chart];
+    *n = 0;
+    for (int k = 0; k < 8; k++) {
+        int d = k / 2 % 2, e = k % 2;
+        double at[3] = {at_end(c, 0, d), at_end(c, 1, e), fmax(c->breaks[2][0], 0.0)}, away[2];
+        if (k >= 4) at[d] = at_end(c, d, e), at[1 - d] = x[1 - d];
+        if (k >= 4 && !c->pole[d][e] && !c->apex[d][e]) continue;
+        for (int i = 0; i < 2; i++) away[i] = fabs(x[i] - at[i]) * l[i];
+        tip *t = &out[(*n)++];
+        t->reach = away[0] + away[1] + (k >= 4 && c->apex[d][e] ? fabs(x[2]) * l[2] : 0.0);
+        kn_status status = kn_meet_point(m, t->point, NULL, chart, at);
+        if (status != KN_OK) return status;
+    }
+    return KN_OK;
+}
+
+// The length of a way through a corner, a pole or an apex that both have.
 static kn_status way_around(double *way, search *s, double l[2][3])
 {
-    kn_meet *m = s->m;
-    double tip[2][4][3], reach[2][4];
-    for (int i = 0; i < 2; i++)
-        for (int k = 0; k < 4; k++) {
-            const kn_meet_chart *c = &m->charts[s->chart[i]];
-            double at[3] = {at_end(c, 0, k / 2), at_end(c, 1, k % 2), fmax(c->breaks[2][0], 0.0)};
-            kn_status status = kn_meet_point(m, tip[i][k], NULL, s->chart[i], at);
-            if (status != KN_OK) return status;
-            reach[i][k] = fabs(s->x[i][0] - at[0]) * l[i][0] + fabs(s->x[i][1] - at[1]) * l[i][1];
-        }
+    tip tips[2][8];
+    int n[2];
+    for (int i = 0; i < 2; i++) {
+        kn_status status = find_tips(s->m, tips[i], &n[i], s->chart[i], s->x[i], l[i]);
+        if (status != KN_OK) return status;
+    }
     double up = fmin(fabs(s->x[0][2] - s->x[1][2]), fabs(s->x[0][2] + s->x[1][2])) * l[0][2];
-    for (int j = 0; j < 4; j++)
-        for (int k = 0; k < 4; k++) {
+    for (int j = 0; j < n[0]; j++)
+        for (int k = 0; k < n[1]; k++) {
             double d[3];
-            for (int c = 0; c < 3; c++) d[c] = tip[0][j][c] - tip[1][k][c];
-            if (norm3(d) <= m->resolution) *way = fmin(*way, reach[0][j] + reach[1][k] + up);
+            for (int c = 0; c < 3; c++) d[c] = tips[0][j].point[c] - tips[1][k].point[c];
+            if (norm3(d) <= s->m->resolution) *way = fmin(*way, tips[0][j].reach + tips[1][k].reach + up);
         }
     return KN_OK;
 }
