@@ -87,7 +87,7 @@ static void search_box(search *s, int level)
     }
     double floor = least > 0.0 ? 2.0 * error->cross / least : 0.0;
     bool enough = length <= o->target[0] + 2.0 * error->length && angle <= o->target[1] + floor;
-    bool last = level == DEPTH;
+    bool last = level == DEPTH || (o->work && *o->work < 0.0);
     if ((enough && length <= o->limit && angle <= o->limit) || last) {
         s->length = fmax(s->length, length);
         s->angle = fmax(s->angle, angle);
@@ -101,6 +101,7 @@ static void search_box(search *s, int level)
         size_t mu = (size_t)degree[f][0] + 1, mv = (size_t)degree[f][1] + 1;
         size_t outer = level % 2 == 0 ? comps[f] : comps[f] * mu, inner = level % 2 == 0 ? mv : 1;
         kn_bernstein_split(first + at[f], second + at[f], box + at[f], outer, degree[f][level % 2], inner, 0.5);
+        if (o->work) *o->work -= 0.5 * (double)(comps[f] * mu * mv) * degree[f][level % 2];
     }
     search_box(s, level + 1);
     if (s->failed) return;
@@ -188,6 +189,8 @@ static bool prepare(kn_ctx *ctx, search *s, const kn_bezier *m, const kn_bezier 
     s->level[0] = levels;
     for (int k = 1; k <= DEPTH; k++) s->level[k] = levels + (size_t)(2 * k - 1) * r->size;
     multiply(levels, weights, room, r, sm, m->degree, sn, n);
+    double products = 6.0 * (double)r->nnormal + 3.0 * (double)kn_bezier_count(m);
+    if (s->options->work) *s->options->work -= products * (double)kn_bezier_count(m) + 4.0 * (double)r->size;
     bound_rounding(s, m, n);
     return true;
 }

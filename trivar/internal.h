@@ -66,6 +66,14 @@ typedef struct kn_extent {
     double slack;     // what the rounding of coordinates as far from the origin as these may be: 16 units
 } kn_extent;
 kn_extent kn_extent_of(const kn_spline *s);
+// The coefficients along one edge of an array (count[0], count[1]).
+typedef struct kn_row {
+    size_t first, step, count;
+} kn_row;
+kn_row kn_edge_row(const int count[2], int var, int end);
+// The points of a row agree with its first one to `near` in each coordinate. coef: components of `size` numbers, the
+// fourth the weight where `rational`.
+bool kn_one_point(const double *coef, size_t size, bool rational, const kn_row *row, double near);
 // The interval of breaks[0 .. n-1] that serves x: the right-hand one at a break, the end ones outside.
 int kn_interval(const double *breaks, int n, double x);
 // The largest Euclidean norm of a coefficient vector, components first .. first+count-1.
@@ -139,6 +147,7 @@ typedef struct kn_certify_options {
     double target[2];       // length and angle bounds at or below these need no subdivision
     double normal_error;    // of n's coefficients
     double direction_error; // of the direction's coefficients
+    double *work;           // multiply-adds that are left: without any nothing is halved. NULL: no limit
 } kn_certify_options;
 // Bounds over [0,1]^2 of how far m is from direction/|direction|. certified is false, and the numbers INFINITY, when
 // a bound passes the limit or none was found.
@@ -196,12 +205,18 @@ kn_status kn_stand_in(kn_ctx *ctx, kn_bezier *out, kn_normal_certificate *certif
 
 // ---- jacobian_terms.c ----
 enum { KN_BOX_TERMS = 4, KN_BOX_POWERS = KN_MAX_DEGREE + 1 };
+// Components, as bits, in which the control points that act on a box are 0, or do not change along a variable: there
+// the function, or its derivative, is 0 exactly.
+typedef struct kn_same {
+    unsigned none, alike[3];
+} kn_same;
 // T over one box, [0,1]^nvars in what follows: nvars 2, S + sum_t term[t] w^power[t], term[0] being S; or a volume.
 typedef struct kn_box_map {
     int nvars, nterms, power[KN_BOX_TERMS];
     kn_bezier term[KN_BOX_TERMS]; // three components each; of a rational S the numerator P of P/weight
     kn_bezier weight;             // empty: polynomial
     double error[KN_BOX_TERMS];   // of every coefficient vector
+    kn_same same[KN_BOX_TERMS], weight_same;
     double weight_error, weight_size;
     double width[3], knot[3], span[3]; // of the box, its knot span and the whole domain, in the parameters of T
     double size, slack;                // kn_extent of S

@@ -9,12 +9,21 @@
 
 enum { MOST_SPANS = 1 << 20 };
 
+// Wild surfaces need more spans than anyone wants to wait for: work is limited, to four times what the worst of the
+// smooth ones in bench/normals takes. Errors go down with the sixth power of the span, so that spans go up with the cube root of the tolerance.
+static double work_for(const kn_shell *s)
+{
+    const double for_one = 1e9; // multiply-adds, for each span of S at a tolerance of 1e-6: some seconds
+    return for_one * (1.0 + (double)s->nspans) * cbrt(1e-6 / s->normal_tol);
+}
+
 typedef struct refinement {
     kn_shell *shell;
     int max_degree, max_spans;
     kn_grid_axis axes[2];
     kn_direction_box *box; // the direction over each span of n, last variable fastest
     size_t nboxes;
+    double work; // multiply-adds that are left
 } refinement;
 
 typedef struct candidate {
@@ -62,6 +71,7 @@ static kn_status make_box(kn_ctx *ctx, refinement *r, int i, int j)
     box->span = (size_t)(from[0] * (s->nknots[1] - 1) + from[1]);
     const kn_direction *d = &s->direction[box->span];
     box->error = d->error + kn_gamma(8.0 * (d->n.degree[0] + d->n.degree[1] + 4)) * kn_largest_vector(&d->n, 0, 3);
+    r->work -= 3.0 * (double)kn_bezier_count(&d->n) * (d->n.degree[0] + d->n.degree[1]);
     return kn_bezier_restrict(ctx, &box->n, &d->n, lo, hi);
 }
 
@@ -93,17 +103,19 @@ static kn_status fit(kn_ctx *ctx, candidate *c, refinement *r, const int degree[
         status = kn_fit_normal(ctx, &c->n, s, r->axes);
     if (status == KN_OK) status = kn_spline_to_bezier(ctx, &c->pieces, &c->npieces, &c->n);
     if (status != KN_OK) return status;
+    r->work -= 8.0 * (double)kn_spline_count(&c->n) * (degree[0] + degree[1]);
     c->certificates = kn_alloc_zero(ctx, c->npieces, sizeof *c->certificates);
     c->failed = kn_alloc_zero(ctx, c->npieces, 1);
     return c->certificates && c->failed ? KN_OK : KN_ENOMEM;
 }
 
 // Samples are cheap and find most failures. c->worst receives the largest. all: go on after the first failure.
-static void sample(candidate *c, const refinement *r, bool all)
+static void sample(candidate *c, refinement *r, bool all)
 {
     double tol = r->shell->normal_tol, length, angle;
     for (size_t i = 0; i < c->npieces && (all || c->nfailed == 0); i++) {
         kn_sample_errors(&length, &angle, &c->pieces[i], &r->box[i].n);
+        r->work -= 16.0 * (double)(kn_bezier_count(&c->pieces[i]) + kn_bezier_count(&r->box[i].n)) + 500.0;
         c->failed[i] = !(length <= tol && angle <= tol);
         c->nfailed += (size_t)c->failed[i];
         c->worst.length_error = fmax(c->worst.length_error, length);
@@ -112,10 +124,10 @@ static void sample(candidate *c, const refinement *r, bool all)
 }
 
 // The certificates, after sample() found no failure: subdivided until they come near the worst sample of all.
-static kn_status certify(kn_ctx *ctx, candidate *c, const refinement *r, bool all)
+static kn_status certify(kn_ctx *ctx, candidate *c, refinement *r, bool all)
 {
     const double near = 1.6;
-    kn_certify_options o = {.limit = r->shell->normal_tol};
+    kn_certify_options o = {.limit = r->shell->normal_tol, .work = &r->work};
     o.target[0] = near * c->worst.length_error;
     o.target[1] = near * c->worst.angle_error;
     double largest = 1.0; // coefficients of n, whose pieces have errors in proportion
@@ -229,6 +241,7 @@ static bool below_rounding(const refinement *r, const candidate *c)
 static kn_status more_lines(kn_ctx *ctx, refinement *r, const candidate *c)
 {
     if (below_rounding(r, c)) return give_up(ctx, r, "the tolerance is below what rounding leaves");
+    if (r->work < 0.0) return give_up(ctx, r, "that is all the work that this tolerance is worth");
     size_t nu = (size_t)r->axes[0].ncuts - 1, nv = (size_t)r->axes[1].ncuts - 1;
     kn_mark mark = kn_scratch_mark(ctx);
     char *split[2] = {kn_scratch(ctx, nu, 1), kn_scratch(ctx, nv, 1)};
@@ -320,7 +333,7 @@ static void adopt(refinement *r, candidate *c)
 
 kn_status kn_refine_normal(kn_ctx *ctx, kn_shell *shell, int max_degree, int max_spans)
 {
-    refinement r = {.shell = shell, .max_degree = max_degree, .max_spans = max_spans};
+    refinement r = {.shell = shell, .max_degree = max_degree, .max_spans = max_spans, .work = work_for(shell)};
     candidate best = {0};
     kn_status status = kn_grid_init(ctx, &r.axes[0], shell, 0);
     if (status == KN_OK) status = kn_grid_init(ctx, &r.axes[1], shell, 1);

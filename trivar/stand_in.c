@@ -9,6 +9,7 @@
 #include <math.h>
 
 enum { HIGHEST = 16, ROOM = HIGHEST + 1 };
+static const double most_work = 1e7; // multiply-adds for one box, some milliseconds: a smaller box may be easier
 
 // The sites of degree n in [0,1], exact at both ends.
 static void lobatto(double *site, int n)
@@ -128,8 +129,11 @@ kn_status kn_stand_in(kn_ctx *ctx, kn_bezier *out, kn_normal_certificate *certif
         degree[v] = enough(rest[v], n, limit);
     }
     kn_certify_options o = {.limit = limit, .target = {limit, limit}, .direction_error = direction_error};
+    double work = most_work;
+    o.work = &work;
     kn_status status = KN_OK;
-    while (status == KN_OK && !*fits && degree[0] + degree[1] <= degree_sum && degree[0] <= n && degree[1] <= n) {
+    while (status == KN_OK && !*fits && work >= 0.0 && degree[0] + degree[1] <= degree_sum && degree[0] <= n &&
+           degree[1] <= n) {
         status = try_degrees(ctx, out, certificate, fits, direction, &o, degree);
         degree[rest[1][degree[1]] > rest[0][degree[0]]]++;
     }

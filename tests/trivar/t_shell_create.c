@@ -54,6 +54,38 @@ static void bad_options(void **state)
     test_ctx_end(ctx, &memory);
 }
 
+// (t^2, v, e t), t = u - v: the normal turns over within e of a diagonal, which only a grid of 1/e lines each way
+// follows. The work for a tolerance of 0.05 does not suffice for e = 1/500, and does for 1/20.
+static void work_is_limited(void **state)
+{
+    (void)state;
+    test_memory memory = TEST_MEMORY_INIT;
+    kn_ctx *ctx = test_ctx(&memory, 1);
+    const double *knots[2] = {quadratic, quadratic};
+    for (double e = 0.05; e > 0.001; e /= 25.0) {
+        kn_spline s;
+        double coef[27];
+        for (int i = 0; i < 3; i++) // polar forms of u^2 - 2 u v + v^2, v and e (u - v)
+            for (int j = 0; j < 3; j++) {
+                coef[3 * i + j] = (i == 2) - 0.5 * i * j + (j == 2);
+                coef[9 + 3 * i + j] = 0.5 * j;
+                coef[18 + 3 * i + j] = 0.5 * e * (i - j);
+            }
+        assert_int_equal(
+            kn_spline_init(ctx, &s, 2, 3, false, (const int[2]){2, 2}, (const int[2]){3, 3}, knots, coef), KN_OK);
+        kn_shell_options o = {.normal_tol = 0.05};
+        kn_shell *shell = NULL;
+        if (e < 0.01) {
+            expect(ctx, &s, &o, KN_EUNDECIDED, "work");
+        } else {
+            assert_int_equal(kn_shell_create(ctx, &shell, &s, &o), KN_OK);
+            kn_shell_destroy(ctx, shell);
+        }
+        kn_spline_clear(ctx, &s);
+    }
+    test_ctx_end(ctx, &memory);
+}
+
 static void bad_lines(void **state)
 {
     (void)state;
@@ -269,10 +301,15 @@ static void allocation_failures(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(bad_options),          cmocka_unit_test(bad_lines),
-        cmocka_unit_test(bad_surfaces),         cmocka_unit_test(creases_keep_both_normals),
-        cmocka_unit_test(cells_and_closedness), cmocka_unit_test(allocation_failures),
-        cmocka_unit_test(high_degrees),         cmocka_unit_test(any_scale),
+        cmocka_unit_test(bad_options),
+        cmocka_unit_test(work_is_limited),
+        cmocka_unit_test(bad_lines),
+        cmocka_unit_test(bad_surfaces),
+        cmocka_unit_test(creases_keep_both_normals),
+        cmocka_unit_test(cells_and_closedness),
+        cmocka_unit_test(allocation_failures),
+        cmocka_unit_test(high_degrees),
+        cmocka_unit_test(any_scale),
     };
     return cmocka_run_group_tests_name("trivar/shell_create", tests, NULL, NULL);
 }
