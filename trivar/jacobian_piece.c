@@ -19,27 +19,66 @@ void kn_shell_jacobian_grid(const kn_shell *shell, int boxes[3])
     boxes[2] = shell->volume.coef ? kn_spline_spans(&shell->volume, 2) : 1;
 }
 
+// The control points that act on a box: n of them from `first` on in each variable.
+typedef struct block {
+    size_t first[3], side[3], n;
+} block;
+
+static block block_around(const kn_spline *s, const double *at)
+{
+    block b = {{0}, {1, 1, 1}, 1};
+    for (int v = 0; v < s->nvars; v++) {
+        b.side[v] = (size_t)s->degree[v] + 1;
+        b.first[v] = (size_t)(kn_knots_span(s->knots[v], s->degree[v], s->count[v], at[v]) - s->degree[v]);
+        b.n *= b.side[v];
+    }
+    return b;
+}
+
+// Point k of the block in the arrays of s.
+static size_t point_of(const kn_spline *s, const block *b, size_t k)
+{
+    size_t index[3] = {k / b->side[2] / b->side[1], k / b->side[2] % b->side[1], k % b->side[2]}, flat = 0;
+    for (int v = 0; v < s->nvars; v++) flat = flat * (size_t)s->count[v] + b->first[v] + index[v];
+    return flat;
+}
+
 // The largest vector and weight among the control points that act on the box around `at`.
 static void acting(double *vector, double *weight, const kn_spline *s, const double *at)
 {
-    size_t count = kn_spline_count(s), n = 1, dim = (size_t)kn_spline_dim(s), first[3] = {0}, side[3] = {1, 1, 1};
+    size_t count = kn_spline_count(s), dim = (size_t)kn_spline_dim(s);
+    block b = block_around(s, at);
     double square = 0.0;
     *weight = 0.0;
-    for (int v = 0; v < s->nvars; v++) {
-        side[v] = (size_t)s->degree[v] + 1;
-        first[v] = (size_t)(kn_knots_span(s->knots[v], s->degree[v], s->count[v], at[v]) - s->degree[v]);
-        n *= side[v];
-    }
-    for (size_t k = 0; k < n; k++) {
-        size_t index[3] = {k / side[2] / side[1], k / side[2] % side[1], k % side[2]}, flat = 0;
-        for (int v = 0; v < s->nvars; v++) flat = flat * (size_t)s->count[v] + first[v] + index[v];
-        const double *c = s->coef + flat;
+    for (size_t k = 0; k < b.n; k++) {
+        const double *c = s->coef + point_of(s, &b, k);
         double length = 0.0;
         for (size_t m = 0; m < dim; m++) length += c[m * count] * c[m * count];
         square = length > square ? length : square;
         if (s->rational) *weight = fmax(*weight, c[dim * count]);
     }
     *vector = sqrt(square);
+}
+
+// What is the same among them, in n components from `component` on.
+static kn_same same_points(const kn_spline *s, const double *at, int component, int n)
+{
+    size_t count = kn_spline_count(s);
+    block b = block_around(s, at);
+    unsigned all = (1u << n) - 1u;
+    kn_same same = {all, {all, all, all}};
+    for (size_t k = 0; k < b.n; k++) {
+        size_t inner[3] = {b.side[1] * b.side[2], b.side[2], 1};
+        for (int c = 0; c < n; c++) {
+            const double *x = s->coef + (size_t)(component + c) * count;
+            double here = x[point_of(s, &b, k)];
+            if (here != 0.0) same.none &= ~(1u << c);
+            for (int v = 0; v < s->nvars; v++)
+                if (k / inner[v] % b.side[v] > 0 && x[point_of(s, &b, k - inner[v])] != here)
+                    same.alike[v] &= ~(1u << c);
+        }
+    }
+    return same;
 }
 
 static void clear_map(kn_ctx *ctx, kn_box_map *map)
@@ -90,6 +129,8 @@ static kn_status take_surface(kn_ctx *ctx, kn_box_map *map, const kn_shell *s, c
     if (status == KN_OK) status = kn_bezier_components(ctx, &map->term[0], &piece, 0, 3);
     if (status == KN_OK && piece.rational) status = kn_bezier_components(ctx, &map->weight, &piece, 3, 1);
     acting(&vector, &weight, &s->local, p->middle);
+    map->same[0] = same_points(&s->local, p->middle, 0, 3);
+    if (piece.rational) map->weight_same = same_points(&s->local, p->middle, 3, 1);
     map->error[0] = extraction(&s->local) * vector;
     map->weight_error = extraction(&s->local) * weight;
     map->weight_size = piece.rational ? weight : 1.0;
@@ -110,6 +151,9 @@ static kn_status take_thickness(kn_ctx *ctx, kn_box_map *map, const kn_shell *s,
     if (status == KN_OK) {
         double round = kn_gamma(2.0 * (double)kn_bezier_count(&h) + 64.0) * size * most;
         map->error[1] = 1.001 * (map->error[1] * (most + error) + error * size + round);
+        kn_same same = same_points(&s->thickness.whole, p->middle, 0, 1), *own = &map->same[1];
+        if (same.none != 0) own->none = 7u;
+        for (int v = 0; v < 2; v++) own->alike[v] = same.alike[v] != 0 ? own->alike[v] | own->none : own->none;
     }
     kn_bezier_clear(ctx, &h);
     return status;
@@ -125,6 +169,7 @@ static kn_status take_terms(kn_ctx *ctx, kn_box_map *map, const kn_shell *s, con
         status = kn_bezier_copy(ctx, &map->term[1], &s->normal_piece[at[0] * (s->ncuts[1] - 1) + at[1]]);
         acting(&vector, &weight, &s->normal, p.middle);
         map->error[1] = extraction(&s->normal) * vector;
+        map->same[1] = same_points(&s->normal, p.middle, 0, 3);
         map->power[1] = 1, map->nterms = 2;
         if (status == KN_OK && s->thickness.whole.coef) status = take_thickness(ctx, map, s, &p);
     }
@@ -135,6 +180,7 @@ static kn_status take_terms(kn_ctx *ctx, kn_box_map *map, const kn_shell *s, con
         status = kn_bezier_restrict(ctx, &map->term[t], &s->field[k].span[p.span], p.lo, p.hi);
         acting(&vector, &weight, &s->field[k].whole, p.middle);
         map->error[t] = extraction(&s->field[k].whole) * vector;
+        map->same[t] = same_points(&s->field[k].whole, p.middle, 0, 3);
         map->power[t] = s->field[k].power;
     }
     return status;
@@ -167,6 +213,8 @@ static kn_status take_volume(kn_ctx *ctx, kn_box_map *map, const kn_shell *s, co
     if (status == KN_OK) status = kn_bezier_components(ctx, &map->term[0], &piece, 0, 3);
     if (status == KN_OK && part.rational) status = kn_bezier_components(ctx, &map->weight, &piece, 3, 1);
     acting(&vector, &weight, &s->local, middle);
+    map->same[0] = same_points(&s->local, middle, 0, 3);
+    if (part.rational) map->weight_same = same_points(&s->local, middle, 3, 1);
     map->error[0] = extraction(&s->local) * vector;
     map->weight_error = extraction(&s->local) * weight;
     map->weight_size = part.rational ? weight : 1.0;

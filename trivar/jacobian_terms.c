@@ -13,7 +13,9 @@
 //     W_w (P_u x P_v)).
 //
 // Rounding: coefficients of a product are means of products of coefficients, so that |a| |b| bounds them, gamma of
-// the number of terms times that their rounding, and e_a |b| + |a| e_b + e_a e_b what errors of a and b leave.
+// the number of terms times that their rounding, and e_a |b| + |a| e_b + e_a e_b what errors of a and b leave. What is
+// 0 because control points are 0 or alike (a constant psi, a plane's n) is 0 exactly and carries no error: at great
+// heights even 1e-16 w^k would be much.
 #include "kernel/context.h"
 #include "trivar/internal.h"
 
@@ -25,6 +27,8 @@ typedef struct factor {
     kn_bezier b;
     double size, error;
     int zero[3][2];
+    unsigned none; // bit c: component c is 0 exactly; error is 0 when all are
+    kn_same same;  // of a term or the weight: what is given
 } factor;
 
 enum { ALWAYS = 1000 }; // zero[][] of the function 0
@@ -41,6 +45,34 @@ static void measure(factor *f)
     f->size = kn_largest_vector(&f->b, 0, f->b.ncomp);
 }
 
+// The components of a op b that are 0 exactly.
+static unsigned none_of(const factor *a, const factor *b, operation op)
+{
+    unsigned all = a->none | b->none, none = 0;
+    if (op == kn_bezier_dot) return (all & 7u) == 7u;
+    if (op == kn_bezier_product) { // one of the two has one component
+        unsigned one = a->b.ncomp == 1 ? a->none : b->none, many = a->b.ncomp == 1 ? b->none : a->none;
+        return (one & 1u) != 0 ? ~0u : many;
+    }
+    for (int c = 0; c < 3; c++) {
+        int j = (c + 1) % 3, k = (c + 2) % 3;
+        bool first = ((a->none >> j | b->none >> k) & 1u) != 0, second = ((a->none >> k | b->none >> j) & 1u) != 0;
+        if (first && second) none |= 1u << c;
+    }
+    return none;
+}
+
+// Takes over what is known to be 0.
+static void set_none(factor *f, unsigned none)
+{
+    size_t count = kn_bezier_count(&f->b), n = (size_t)f->b.ncomp;
+    f->none = none & ((1u << n) - 1u);
+    for (size_t k = 0; k < n * count; k++)
+        if ((f->none >> k / count & 1u) != 0) f->b.coef[k] = 0.0;
+    if (f->none == (1u << n) - 1u) f->error = 0.0;
+    measure(f);
+}
+
 static void swap(factor *a, factor *b)
 {
     factor t = *a;
@@ -52,6 +84,7 @@ static void swap(factor *a, factor *b)
 static kn_status multiply(kn_ctx *ctx, factor *out, const factor *a, const factor *b, operation op)
 {
     double bound = a->size * b->size;
+    unsigned none = none_of(a, b, op);
     size_t na = kn_bezier_count(&a->b), nb = kn_bezier_count(&b->b);
     double terms = 3.0 * (double)(na < nb ? na : nb);
     double round = bound > 0.0 && bound < 0x1p-900 ? INFINITY : 4.0 * kn_gamma(2.0 * terms + 64.0) * bound;
@@ -63,7 +96,7 @@ static kn_status multiply(kn_ctx *ctx, factor *out, const factor *a, const facto
         out->zero[e / 2][e % 2] = zero > ALWAYS ? ALWAYS : zero;
     }
     out->error = error;
-    measure(out);
+    set_none(out, none);
     return KN_OK;
 }
 
@@ -73,12 +106,13 @@ static kn_status add(kn_ctx *ctx, factor *sum, const factor *f, int sign)
     kn_status status;
     if (!sum->b.coef) {
         status = kn_bezier_scale(ctx, &sum->b, &f->b, sign);
-        sum->error = f->error;
+        sum->error = f->error, sum->none = f->none;
         for (int e = 0; e < 6; e++) sum->zero[e / 2][e % 2] = f->zero[e / 2][e % 2];
     } else {
         status = sign > 0 ? kn_bezier_sum(ctx, &sum->b, &sum->b, &f->b)
                           : kn_bezier_difference(ctx, &sum->b, &sum->b, &f->b);
         sum->error = 1.001 * (sum->error + f->error) + kn_gamma(256.0) * (sum->size + f->size);
+        sum->none &= f->none;
         for (int e = 0; e < 6; e++) {
             int *zero = &sum->zero[e / 2][e % 2];
             *zero = *zero < f->zero[e / 2][e % 2] ? *zero : f->zero[e / 2][e % 2];
@@ -98,6 +132,7 @@ static kn_status slope(kn_ctx *ctx, factor *out, const factor *f, int var, doubl
     measure(out);
     out->error = 1.001 * (2.0 * degree * f->error / width + kn_gamma(8.0) * 2.0 * degree * f->size / width);
     for (int e = 0; e < 6; e++) out->zero[e / 2][e % 2] = degree == 0 ? ALWAYS : 0;
+    set_none(out, f->none | f->same.alike[var]);
     return KN_OK;
 }
 
@@ -194,11 +229,11 @@ static void clear_work(kn_ctx *ctx, work *w)
     clear(ctx, w->t, 6);
 }
 
-static kn_status copy(kn_ctx *ctx, factor *out, const kn_bezier *b, double error)
+static kn_status copy(kn_ctx *ctx, factor *out, const kn_bezier *b, double error, const kn_same *same)
 {
     kn_status status = kn_bezier_copy(ctx, &out->b, b);
-    out->error = error;
-    if (status == KN_OK) measure(out);
+    out->error = error, out->same = *same;
+    if (status == KN_OK) set_none(out, same->none);
     return status;
 }
 
@@ -206,8 +241,9 @@ static kn_status start(kn_ctx *ctx, work *w)
 {
     const kn_box_map *m = w->map;
     kn_status status = KN_OK;
-    for (int k = 0; k < m->nterms && status == KN_OK; k++) status = copy(ctx, &w->term[k], &m->term[k], m->error[k]);
-    if (w->rational && status == KN_OK) status = copy(ctx, &w->weight, &m->weight, m->weight_error);
+    for (int k = 0; k < m->nterms && status == KN_OK; k++)
+        status = copy(ctx, &w->term[k], &m->term[k], m->error[k], &m->same[k]);
+    if (w->rational && status == KN_OK) status = copy(ctx, &w->weight, &m->weight, m->weight_error, &m->weight_same);
     if (w->rational && status == KN_OK) status = multiply(ctx, &w->t[0], &w->weight, &w->weight, kn_bezier_product);
     if (w->rational && status == KN_OK) status = multiply(ctx, &w->weight3, &w->t[0], &w->weight, kn_bezier_product);
     for (int k = 0; k < m->nterms; k++)
