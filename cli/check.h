@@ -24,8 +24,9 @@ typedef struct check_shell {
     int surface;       // of the base
     int first_cell[2]; // its own first cell, counted on that surface
     int cells[2];
-    double range[2]; // of w
-    double unit;     // heights of a job count in it: 1, or the height of a volume
+    double range[2];   // of w
+    double heights[2]; // that it has: a volume's
+    double unit;       // heights of a job count in it: 1, or the height of a volume
     kn_fold_sign sign;
     kn_fold_heights safe, *cell_safe;
     bool *cell_folds;

@@ -12,6 +12,8 @@ static const double thin = 0.02;  // what a box counts at least, each way: flat 
 static const double loose = 1.25; // boxes are joined while that adds less than a quarter
 static const double full = 0.98;  // a box that spans so much of the cell spans all of it
 static const size_t most_regions = 20000;
+static const double thickness = 1e-3; // the least extent of a region, of a cell and of the heights: no patch is flat
+static const double nothing = 1e-12;  // of the heights: what rounding leaves of 0
 
 typedef struct boxes {
     check_box box[4 * MOST_PATCHES];
@@ -63,9 +65,14 @@ static void gather(boxes *all)
 // ---- the tile's boxes in the unit cell ----
 
 // What reaches into neighbouring cells comes back from the neighbours on the other side.
-static void add_wrapped(boxes *all, const check_box *b)
+static void add_wrapped(boxes *all, const check_box *patch)
 {
+    check_box thick = *patch, *b = &thick; // an upright wall between two cells has room in both
     double first[2], last[2];
+    for (int d = 0; d < 2; d++) {
+        double lacks = 0.5 * (thickness - (b->hi[d] - b->lo[d]));
+        if (lacks > 0) b->lo[d] -= lacks, b->hi[d] += lacks;
+    }
     for (int d = 0; d < 2; d++) {
         first[d] = floor(b->lo[d]);
         last[d] = fmax(first[d], ceil(b->hi[d]) - 1);
@@ -122,6 +129,23 @@ static kn_status add_surface(kn_ctx *ctx, boxes *all, const check *c, const kn_s
     return status;
 }
 
+// Heights that rounding alone keeps from 0 are 0; flat boxes get thick, within the heights that the job occupies.
+static void tidy_heights(check_box *b, const double range[2])
+{
+    double size = fmax(range[1] - range[0], fmax(fabs(range[0]), fabs(range[1])));
+    for (int end = 0; end < 2; end++) {
+        double *w = end ? &b->hi[2] : &b->lo[2];
+        for (int to = 0; to < 2; to++)
+            if (fabs(*w - range[to]) < nothing * size) *w = range[to];
+        if (fabs(*w) < nothing * size) *w = 0;
+    }
+    double least = thickness * (range[1] - range[0]);
+    if (b->hi[2] - b->lo[2] >= least) return;
+    double lo = 0.5 * (b->lo[2] + b->hi[2] - least);
+    b->lo[2] = fmin(b->lo[2], fmax(fmin(lo, range[1] - least), range[0]));
+    b->hi[2] = fmax(b->hi[2], b->lo[2] + least);
+}
+
 static kn_status make_boxes(kn_ctx *ctx, check *c)
 {
     const kn_tile *tile = kn_job_tile(c->plan);
@@ -132,10 +156,13 @@ static kn_status make_boxes(kn_ctx *ctx, check *c)
         for (int s = 0; s < tile->parts[p].nsurfaces && status == KN_OK; s++)
             status = add_surface(ctx, all, c, &tile->parts[p].surfaces[s]);
     if (status == KN_OK) {
+        double range[2];
+        cli_job_range(&c->job, range);
         gather(all);
         c->nboxes = all->n;
         for (int k = 0; k < all->n; k++) {
             c->box[k] = all->box[k];
+            tidy_heights(&c->box[k], range);
             for (int d = 0; d < 2; d++)
                 if (c->box[k].hi[d] - c->box[k].lo[d] >= full) c->box[k].lo[d] = 0, c->box[k].hi[d] = 1;
             c->range[0] = k ? fmin(c->range[0], c->box[k].lo[2]) : c->box[k].lo[2];
@@ -151,8 +178,11 @@ static kn_status make_boxes(kn_ctx *ctx, check *c)
 // The box over cells first .. last of both variables.
 static kn_fold_region place(const check *c, int shell, const check_box *b, const int first[2], const int last[2])
 {
-    double unit = c->shells[shell].unit;
-    kn_fold_region r = {.shell = shell, .lo = {0, 0, unit * b->lo[2]}, .hi = {0, 0, unit * b->hi[2]}};
+    const check_shell *s = &c->shells[shell];
+    kn_fold_region r = {.shell = shell, .lo = {0, 0, s->unit * b->lo[2]}, .hi = {0, 0, s->unit * b->hi[2]}};
+    // a volume ends where it ends, whatever the rounding of a height says
+    if (r.lo[2] < s->heights[0] && r.hi[2] > s->heights[0]) r.lo[2] = s->heights[0];
+    if (r.hi[2] > s->heights[1] && r.lo[2] < s->heights[1]) r.hi[2] = s->heights[1];
     for (int d = 0; d < 2; d++) {
         const double *lines = kn_job_lines(c->plan, shell, d);
         r.lo[d] = lines[first[d]] + b->lo[d] * (lines[first[d] + 1] - lines[first[d]]);

@@ -146,7 +146,7 @@ int check_make_shells(cli_session *session, check *c)
     cli_job_range(&c->job, c->range);
     for (int i = 0; i < c->nshells; i++) {
         check_shell *s = &c->shells[i];
-        double heights[2];
+        double *heights = s->heights;
         if (s->own) s->shell = s->own;
         kn_shell_cells(s->shell, s->cells);
         kn_shell_heights(s->shell, heights);
