@@ -6,7 +6,7 @@
 #include <math.h>
 
 static const int least_normal_degree = 3; // of n in each variable
-static const int usual_normal_degree = 5;
+static const int usual_normal_degree = 5; // and of m, where n = N m
 
 // What the terms of T need, as sums of their degrees and the power of w: T's factor on the degree of a tile patch. Of
 // n, which is yet to be made, the least; *room: what adds to it.
@@ -30,11 +30,8 @@ static int least_factor(int *room, const kn_job_base *b, const kn_spline *face, 
 // S, of h n and 1, of psi and k; where S is rational those of the weight come to the fields.
 static kn_status fit_degrees(kn_ctx *ctx, kn_job *job, const kn_job_bases *bases)
 {
-    int tile = 1, limit = job->options.max_degree;
+    int tile = kn_job_tile_degree(job), limit = job->options.max_degree;
     int power = job->options.attraction_power > 0 ? job->options.attraction_power : 2;
-    for (int k = 0; k < job->npatches; k++)
-        for (int d = 0; d < 2; d++)
-            if (job->patches[k].d.degree[d] > tile) tile = job->patches[k].d.degree[d];
     for (int s = 0; s < job->nsurfaces; s++) {
         const kn_spline *face = &bases->faces[s];
         int room, least = least_factor(&room, &bases->list[s], face, power);
@@ -56,6 +53,16 @@ typedef struct shells {
     double w[2]; // the heights that the tile occupies
 } shells;
 
+// The degree of n in each variable, or of m: what there is room for, up to the usual one.
+static int normal_degree(const kn_job *job, const kn_job_surface *to, const kn_spline *face)
+{
+    int room = to->degree_sum;
+    if (job->options.normal == KN_NORMAL_EXACT_DIRECTION) // N has less at a pole
+        for (int v = 0; v < 2; v++) room -= (face->rational ? 3 : 2) * face->degree[v] - 1;
+    int degree = room / 2 < usual_normal_degree ? room / 2 : usual_normal_degree;
+    return degree > least_normal_degree ? degree : least_normal_degree;
+}
+
 // An exact direction may have a higher degree than there is room for.
 static kn_status check_normal(kn_ctx *ctx, const kn_job *job, const kn_job_surface *s)
 {
@@ -65,9 +72,10 @@ static kn_status check_normal(kn_ctx *ctx, const kn_job *job, const kn_job_surfa
     int need = s->tile_degree * (degree + room - s->degree_sum);
     return kn_fail(
         ctx, KN_EDOMAIN,
-        "job: with a normal of exact direction, of degrees %d, %d, over surface %d tile patches compose to "
-        "degree %d, and the limit is %d",
-        n->degree[0], n->degree[1], s->origin, need, job->options.max_degree);
+        "job: with a normal of exact direction, of degrees %d, %d, over surface %d tile patches of degree %d "
+        "compose to degree %d, and the limit is %d: --max-degree %d is needed%s",
+        n->degree[0], n->degree[1], s->origin, s->tile_degree, need, job->options.max_degree, need,
+        need > KN_MAX_DEGREE ? ", which is more than there is" : "");
 }
 
 static const kn_spline *given(const kn_spline *s)
@@ -91,8 +99,7 @@ static kn_status make_shell(kn_ctx *ctx, void *user, size_t index)
     o.normal = options->normal;
     o.direction = given(&base->direction), o.thickness = given(&base->thickness);
     o.attraction = given(&base->attraction), o.attraction_power = options->attraction_power;
-    if (o.normal == KN_NORMAL_FITTED && !o.direction && !base->volume.coef)
-        o.max_degree = to->degree_sum / 2 < usual_normal_degree ? to->degree_sum / 2 : usual_normal_degree;
+    if (!o.direction && !base->volume.coef) o.max_degree = normal_degree(all->job, to, &all->bases->faces[index]);
     kn_status status = base->volume.coef ? kn_shell_from_volume(ctx, &to->shell, &base->volume, &o)
                                          : kn_shell_create(ctx, &to->shell, &all->bases->faces[index], &o);
     if (status == KN_OK && !o.direction) status = check_normal(ctx, all->job, to);
