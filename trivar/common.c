@@ -65,6 +65,26 @@ kn_extent kn_extent_of(const kn_spline *s)
     return e;
 }
 
+kn_row kn_edge_row(const int count[2], int var, int end)
+{
+    kn_row row = {.step = var == 0 ? 1 : (size_t)count[1], .count = (size_t)count[1 - var]};
+    if (end) row.first = (size_t)(count[var] - 1) * (var == 0 ? row.count : 1);
+    return row;
+}
+
+bool kn_one_point(const double *coef, size_t size, bool rational, const kn_row *row, double near)
+{
+    for (size_t k = 1; k < row->count; k++) {
+        const double *p = coef + row->first, *q = p + k * row->step;
+        for (size_t c = 0; c < 3; c++) {
+            double x = p[c * size], y = q[c * size];
+            if (rational) x /= p[3 * size], y /= q[3 * size];
+            if (!(fabs(y - x) <= near)) return false;
+        }
+    }
+    return true;
+}
+
 double kn_gamma(double k)
 {
     double ku = k * 0x1p-53;

@@ -11,18 +11,11 @@ static const double alike = 1e-10; // normals that count as one: sines of angles
 static bool collapsed(double point[3], const kn_shell *shell, int var, int end)
 {
     const kn_spline *s = &shell->surface;
-    size_t count = kn_spline_count(s), cross = (size_t)s->count[1 - var];
-    size_t first = end ? (size_t)(s->count[var] - 1) : 0, step = var == 0 ? 1 : (size_t)s->count[1];
-    double near = 1e-12 * shell->size + 2.0 * shell->slack;
-    first *= var == 0 ? cross : 1;
-    for (size_t c = 0; c < 3; c++)
-        for (size_t k = 0; k < cross; k++) {
-            size_t at = first + k * step;
-            double x = s->coef[c * count + at] / (s->rational ? s->coef[3 * count + at] : 1.0);
-            if (k == 0) point[c] = x;
-            if (!(fabs(x - point[c]) <= near)) return false;
-        }
-    return true;
+    size_t count = kn_spline_count(s);
+    kn_row row = kn_edge_row(s->count, var, end);
+    const double *first = s->coef + row.first;
+    for (size_t c = 0; c < 3; c++) point[c] = first[c * count] / (s->rational ? first[3 * count] : 1.0);
+    return kn_one_point(s->coef, count, s->rational, &row, 1e-12 * shell->size + 2.0 * shell->slack);
 }
 
 // Whether all coefficients of n along the edge are parallel to the unit vector d, and n points its way. Each is off
@@ -30,12 +23,11 @@ static bool collapsed(double point[3], const kn_shell *shell, int var, int end)
 static bool along(const kn_direction *direction, int var, int end, const double d[3])
 {
     const kn_bezier *n = &direction->n;
-    size_t count = kn_bezier_count(n), cross = (size_t)n->degree[1 - var] + 1;
-    size_t step = var == 0 ? 1 : (size_t)n->degree[1] + 1, first = end ? (size_t)n->degree[var] : 0;
-    if (var == 0) first *= cross;
+    size_t count = kn_bezier_count(n);
+    kn_row row = kn_edge_row((const int[2]){n->degree[0] + 1, n->degree[1] + 1}, var, end);
     double largest = 0.0, off = 0.0, forward = 0.0;
-    for (size_t k = 0; k < cross; k++) {
-        const double *c = n->coef + first + k * step;
+    for (size_t k = 0; k < row.count; k++) {
+        const double *c = n->coef + row.first + k * row.step;
         double a[3] = {c[0], c[count], c[2 * count]}, square = 0.0, x = 0.0;
         for (int i = 0; i < 3; i++) {
             double out = a[(i + 1) % 3] * d[(i + 2) % 3] - a[(i + 2) % 3] * d[(i + 1) % 3];

@@ -2,6 +2,8 @@
 // The unit normal as N m: N the direction over each span, m a spline near 1/|N|, so that the length alone is
 // approximated.
 //
+// At a pole n is the unit normal, whatever m: see flatten_poles.
+//
 // Each span has its own N, scaled by a power of two and in parameters of its own. Times its span's factor c N becomes
 // one field, continuous across a knot line wherever S_u x S_v is, and m interpolates 1/|c N|.
 // Source: Elber, Geometric Texture Modeling, IEEE CG&A 25(4), 2005, sidebar "Unit Normal Field Approximation".
@@ -98,6 +100,33 @@ static kn_status make_grid(kn_ctx *ctx, kn_grid *grid, const kn_spline *s, const
     return KN_OK;
 }
 
+// ---- poles ----
+
+// N is q(t) times one unit vector along a pole, and q m not constant whatever the polynomial m: the row of
+// coefficients there becomes that vector, so that a point of S stays one fibre of T, as in fit.c. n moves by what its
+// length is off at the pole, times the basis function of the row, which ends with the next line.
+static void flatten_poles(kn_spline *n, const kn_shell *shell)
+{
+    size_t count = kn_spline_count(n), columns = (size_t)shell->nknots[1] - 1;
+    bool done[2] = {false}; // the edges across variable 0
+    for (int e = 0; e < 4; e++) {
+        int var = e / 2, end = e % 2;
+        if (kn_edge_of(shell, var, end).kind != KN_EDGE_POLE) continue;
+        kn_row row = kn_edge_row(n->count, var, end);
+        size_t last = end ? (size_t)shell->nknots[var] - 2 : 0;
+        double unit[3], corner[2] = {0.0, 0.0};
+        corner[var] = end;
+        (void)kn_direction_unit(unit, &shell->direction[last * (var == 0 ? columns : 1)].n, corner);
+        for (int k = 0; k < 2 && var == 1; k++) { // two poles that meet share a corner
+            const double *c = n->coef + row.first + (k == 0 ? 0 : (row.count - 1) * row.step);
+            for (size_t m = 0; m < 3 && done[k]; m++) unit[m] = c[m * count];
+        }
+        for (size_t i = 0; i < 3 * row.count; i++)
+            n->coef[i / row.count * count + row.first + i % row.count * row.step] = unit[i / row.count];
+        if (var == 0) done[end] = true;
+    }
+}
+
 static kn_status assemble(kn_ctx *ctx, kn_spline *out, product *p)
 {
     static const char call[] = "shell";
@@ -130,6 +159,7 @@ kn_status kn_fit_exact_direction(kn_ctx *ctx, kn_spline *out, const kn_shell *sh
     if (status == KN_OK) status = kn_spline_to_bezier(ctx, &pieces, &npieces, &m);
     p.m = pieces;
     if (status == KN_OK) status = assemble(ctx, out, &p);
+    if (status == KN_OK) flatten_poles(out, shell);
     kn_scratch_release(ctx, mark);
     kn_bezier_clear(ctx, &p.n);
     for (size_t i = 0; i < npieces; i++) kn_bezier_clear(ctx, &pieces[i]);

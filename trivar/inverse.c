@@ -2,6 +2,7 @@
 // A shell made ready for its inverse: the pieces of T, their leaves, and a hierarchy of boxes over these.
 #include "trivar/inverse.h"
 
+#include "kernel/bernstein.h"
 #include "kernel/context.h"
 #include "kernel/knots.h"
 #include "solve/cells.h"
@@ -51,20 +52,6 @@ static kn_status take_room(kn_ctx *ctx, bricks *b, const kn_net *net)
     return b->coef && b->error ? KN_OK : KN_ENOMEM;
 }
 
-// w^power in Bernstein form over [w0,w1].
-static kn_status power_of_height(kn_ctx *ctx, kn_bezier *out, int power, int degree, const double w[2])
-{
-    kn_bezier line = {0};
-    const int one = 1, none = 0;
-    kn_status status = kn_bezier_init(ctx, &line, 1, 1, false, &one);
-    if (status == KN_OK) status = kn_bezier_init(ctx, out, 1, 1, false, &none);
-    if (status == KN_OK) line.coef[0] = w[0], line.coef[1] = w[1], out->coef[0] = 1.0;
-    for (int k = 0; k < power && status == KN_OK; k++) status = kn_bezier_product(ctx, out, out, &line);
-    if (status == KN_OK) status = kn_bezier_elevate(ctx, out, out, &degree);
-    kn_bezier_clear(ctx, &line);
-    return status;
-}
-
 // Convex combinations all of them (extraction, lines, restriction, elevation) but for the products h n, W n and w^k.
 static double roundings_of(const kn_net *net, int nterms)
 {
@@ -75,19 +62,17 @@ static double roundings_of(const kn_net *net, int nterms)
 static kn_status add_term(kn_ctx *ctx, double *coef, double *error, const kn_net *net, kn_bezier *term, int power,
                           int nterms, const double w[2])
 {
-    kn_bezier height = {0};
+    double height[KN_MAX_DEGREE + 1];
     kn_status status = kn_bezier_elevate(ctx, term, term, net->degree);
-    if (status == KN_OK) status = power_of_height(ctx, &height, power, net->degree[2], w);
-    if (status == KN_OK) {
-        size_t row = (size_t)net->degree[2] + 1, n = net->count / row;
-        double high = pow(fmax(fabs(w[0]), fabs(w[1])), power);
-        for (size_t i = 0; i < (size_t)net->ncomp * n; i++)
-            for (size_t j = 0; j < row; j++) coef[i * row + j] += term->coef[i] * height.coef[j];
-        for (int c = 0; c < net->ncomp; c++)
-            error[c] += kn_rounding(roundings_of(net, nterms)) * high * kn_largest(term->coef + (size_t)c * n, n);
-    }
-    kn_bezier_clear(ctx, &height);
-    return status;
+    if (status != KN_OK) return status;
+    size_t row = (size_t)net->degree[2] + 1, n = net->count / row;
+    double high = pow(fmax(fabs(w[0]), fabs(w[1])), power);
+    kn_bernstein_power(height, power, net->degree[2], w[0], w[1]);
+    for (size_t i = 0; i < (size_t)net->ncomp * n; i++)
+        for (size_t j = 0; j < row; j++) coef[i * row + j] += term->coef[i] * height[j];
+    for (int c = 0; c < net->ncomp; c++)
+        error[c] += kn_rounding(roundings_of(net, nterms)) * high * kn_largest(term->coef + (size_t)c * n, n);
+    return KN_OK;
 }
 
 static kn_status piece_over(kn_ctx *ctx, kn_shell_piece *piece, const kn_shell *shell, int i, int j)
@@ -265,14 +250,10 @@ static bool collapsed(const kn_net *net, const double *coef, int var, int end)
 {
     size_t n = net->count, step[2] = {kn_net_inner(net, 0), kn_net_inner(net, 1)};
     size_t first = end ? (size_t)net->degree[var] * step[var] : 0;
-    for (size_t w = first; w <= first + (size_t)net->degree[2]; w++)
-        for (size_t o = 1; o <= (size_t)net->degree[1 - var]; o++)
-            for (size_t c = 0; c < 3; c++) {
-                size_t i = w + o * step[1 - var];
-                double p = coef[c * n + w], q = coef[c * n + i];
-                if (net->ncomp > 3) p /= coef[3 * n + w], q /= coef[3 * n + i];
-                if (!(fabs(p - q) <= COLLAPSED)) return false;
-            }
+    for (size_t w = first; w <= first + (size_t)net->degree[2]; w++) {
+        const kn_row row = {w, step[1 - var], (size_t)net->degree[1 - var] + 1};
+        if (!kn_one_point(coef, n, net->ncomp > 3, &row, COLLAPSED)) return false;
+    }
     return true;
 }
 

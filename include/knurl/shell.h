@@ -58,8 +58,9 @@ KN_API kn_shell_options kn_shell_defaults(void);
 // KN_NORMAL_EXACT_DIRECTION: degrees of N plus 3 .. max_degree. n = N m, m a spline that interpolates 1/|N|: the
 //         angle error is rounding. n is as smooth as S_u x S_v and m. Along an edge that two surfaces share, and
 //         where they touch, their n agree when |S_u x S_v| of the two is the same but for one factor, and else to the
-//         tolerance, in length alone; at a pole too the length varies by as much. Beside a factor that was divided
-//         out n is C0 on the next line.
+//         tolerance, in length alone. At a pole n is one vector, which turns it in the spans next to the pole by less
+//         than a tenth of the tolerance (the certificate says by how much). Beside a factor that was divided out n is
+//         C0 on the next line.
 // At a knot where S is C1 or less n is joined if both sides agree (of N m: in length too, but for one factor along
 // the line), and else it jumps there.
 // out:    *out is the caller's: kn_shell_destroy. A shell is never written to afterwards: any number of threads may
