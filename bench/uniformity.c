@@ -67,7 +67,7 @@ static void by_corners(kn_ctx *ctx, result *r, const kn_spline *s, const int cou
     double start = bench_now(BENCH_THREAD);
     // the tolerance is that of jobs
     check(ctx, kn_cells_relax(ctx, &map, s, count, &o));
-    check(ctx, kn_cells_fit(ctx, &out, &r->error, s, &map, 1e-4 * width));
+    check(ctx, kn_cells_fit(ctx, &out, &r->error, s, &map, &(kn_cells_fit_options){.tolerance = 1e-4 * width}));
     r->seconds = bench_now(BENCH_THREAD) - start;
     r->error /= width;
     check(ctx, kn_cells_measure(ctx, &r->spread, &out, NULL, NULL));

@@ -11,12 +11,15 @@ enum { LEAST = 3, MOST = 7, PLACES = 3, WRAP = 16 };
 
 // ---- what is to be fitted ----
 
-static kn_status check(kn_ctx *ctx, const kn_spline *surface, const kn_spline *map, double tolerance)
+static kn_status check(kn_ctx *ctx, const kn_spline *surface, const kn_spline *map, const kn_cells_fit_options *o)
 {
     kn_status status = kn_cells_expect(ctx, "fit", surface);
     if (status == KN_OK) status = kn_cells_expect_map(ctx, "fit", surface, map);
     if (status != KN_OK) return status;
-    if (!(tolerance > 0.0)) return kn_fail(ctx, KN_EDOMAIN, "fit: tolerance %g", tolerance);
+    if (!(o->tolerance > 0.0)) return kn_fail(ctx, KN_EDOMAIN, "fit: tolerance %g", o->tolerance);
+    if (!(o->at_most >= 0.0)) return kn_fail(ctx, KN_EDOMAIN, "fit: at most %g", o->at_most);
+    if (o->degree_sum != 0 && o->degree_sum < 2 * LEAST)
+        return kn_fail(ctx, KN_EDOMAIN, "fit: degrees of a sum of %d, at least %d", o->degree_sum, 2 * LEAST);
     for (int d = 0; d < 2; d++) {
         int p = surface->degree[d];
         for (int i = p + 1; i + p < surface->count[d]; i++)
@@ -150,8 +153,8 @@ static kn_status try_degrees(kn_ctx *ctx, kn_spline *out, double *sampled, const
     return status == KN_OK ? sample(ctx, sampled, out, f) : status;
 }
 
-// One degree more in the variable that gains most by it; *more is false where both are at their limit.
-static kn_status raise_degree(kn_ctx *ctx, kn_spline *fit, double *sampled, int degree[2], bool *more,
+// One degree more in the variable that gains most by it; *more is false where they are at their limit.
+static kn_status raise_degree(kn_ctx *ctx, kn_spline *fit, double *sampled, int degree[2], bool *more, int degree_sum,
                               const kn_cells_target *f)
 {
     kn_spline best = {0}, other = {0};
@@ -159,7 +162,7 @@ static kn_status raise_degree(kn_ctx *ctx, kn_spline *fit, double *sampled, int 
     double least = INFINITY, here;
     kn_status status = KN_OK;
     for (int d = 0; status == KN_OK && d < 2; d++) {
-        if (degree[d] == MOST) continue;
+        if (degree[d] == MOST || degree[0] + degree[1] == degree_sum) continue;
         int raised[2] = {degree[0], degree[1]};
         raised[d]++;
         status = try_degrees(ctx, &other, &here, f, raised);
@@ -176,29 +179,49 @@ static kn_status raise_degree(kn_ctx *ctx, kn_spline *fit, double *sampled, int 
     return status;
 }
 
-kn_status kn_cells_fit(kn_ctx *ctx, kn_spline *out, double *error, const kn_spline *surface, const kn_spline *map,
-                       double tolerance)
+// The lowest degrees that meet the tolerance, or the last ones tried; *bound of what is in fit, INFINITY for none.
+static kn_status search(kn_ctx *ctx, kn_spline *fit, double *bound, double *sampled, int degree[2],
+                        const kn_cells_target *f, const kn_cells_fit_options *o)
 {
-    kn_status status = check(ctx, surface, map, tolerance);
+    bool more = true;
+    kn_status status = try_degrees(ctx, fit, sampled, f, degree);
+    while (status == KN_OK) {
+        *bound = INFINITY;
+        if (*sampled <= o->tolerance) status = kn_cells_fit_bound(ctx, bound, fit, &f->s, &f->m, *sampled);
+        if (status == KN_OK && *bound > o->tolerance)
+            status = raise_degree(ctx, fit, sampled, degree, &more, o->degree_sum, f);
+        if (*bound <= o->tolerance || !more) break;
+    }
+    if (status == KN_OK && isinf(*bound) && *sampled <= o->at_most)
+        status = kn_cells_fit_bound(ctx, bound, fit, &f->s, &f->m, *sampled);
+    return status;
+}
+
+static kn_status not_met(kn_ctx *ctx, double bound, double sampled, const int degree[2], double most)
+{
+    if (sampled > most)
+        return kn_fail(ctx, KN_EUNDECIDED,
+                       "fit: a distance of %g occurs in degrees %d and %d, beyond the tolerance %g; more cells help",
+                       sampled, degree[0], degree[1], most);
+    return kn_fail(ctx, KN_EUNDECIDED,
+                   "fit: certainly within %g in degrees %d and %d (%g occurs), but not within the tolerance %g; more "
+                   "cells help",
+                   bound, degree[0], degree[1], sampled, most);
+}
+
+kn_status kn_cells_fit(kn_ctx *ctx, kn_spline *out, double *error, const kn_spline *surface, const kn_spline *map,
+                       const kn_cells_fit_options *options)
+{
+    kn_status status = check(ctx, surface, map, options);
     if (status != KN_OK) return status;
     kn_mark mark = kn_scratch_mark(ctx);
     kn_cells_target f;
     kn_spline fit = {0};
-    double sampled = 0.0, bound = INFINITY;
+    double sampled = 0.0, bound = INFINITY, most = fmax(options->tolerance, options->at_most);
     int degree[2] = {LEAST, LEAST};
-    bool more = true;
     status = kn_cells_target_init(ctx, &f, surface, map);
-    if (status == KN_OK) status = try_degrees(ctx, &fit, &sampled, &f, degree);
-    while (status == KN_OK) {
-        bound = INFINITY;
-        if (sampled <= tolerance) status = kn_cells_fit_bound(ctx, &bound, &fit, &f.s, &f.m, sampled);
-        if (status == KN_OK && bound > tolerance) status = raise_degree(ctx, &fit, &sampled, degree, &more, &f);
-        if (bound <= tolerance || !more) break;
-    }
-    if (status == KN_OK && !(bound <= tolerance))
-        status = kn_fail(ctx, KN_EUNDECIDED,
-                         "fit: %g in degrees %d and %d, and not the tolerance %g; more cells help",
-                         fmin(bound, sampled), degree[0], degree[1], tolerance);
+    if (status == KN_OK) status = search(ctx, &fit, &bound, &sampled, degree, &f, options);
+    if (status == KN_OK && !(bound <= most)) status = not_met(ctx, bound, sampled, degree, most);
     if (status == KN_OK) {
         kn_spline_swap(out, &fit);
         if (error) *error = bound;

@@ -152,8 +152,8 @@ void kn_job_resolve_size(kn_job_options *o, double diagonal);
 kn_status kn_job_decide_sizes(kn_ctx *ctx, kn_job *job, kn_job_bases *bases);
 
 // ---- job_free.c ----
-// Replaces the faces by S(map), and the lines, which are even ones, by integers; report.cells_error. cell: its mean
-// side.
+// Replaces the faces by S(map), and the lines, which are even ones, by integers; report.cells_error and even_instead.
+// cell: its mean side.
 kn_status kn_job_free_corners(kn_ctx *ctx, kn_job *job, kn_job_bases *bases, double cell);
 
 // ---- job_stretch.c ----
@@ -199,6 +199,8 @@ kn_status kn_job_measure_spread(kn_ctx *ctx, kn_job *job, const kn_spline *surfa
 // ---- job_patches.c ----
 // job->patches from job->tile and the options' height and offset.
 kn_status kn_job_make_patches(kn_ctx *ctx, kn_job *job);
+// The largest degree of job->tile's surfaces, and so of all patches.
+int kn_job_tile_degree(const kn_job *job);
 
 // ---- job_rect.c ----
 // The part of a patch that rect names, after `turn` quarter turns about the centre of its cell.

@@ -205,3 +205,15 @@ kn_status kn_job_make_patches(kn_ctx *ctx, kn_job *job)
     }
     return status;
 }
+
+int kn_job_tile_degree(const kn_job *job)
+{
+    int most = 1;
+    for (int p = 0; p < job->tile.nparts; p++)
+        for (int s = 0; s < job->tile.parts[p].nsurfaces; s++)
+            for (int d = 0; d < 2; d++) {
+                int degree = job->tile.parts[p].surfaces[s].degree[d];
+                most = degree > most ? degree : most;
+            }
+    return most;
+}

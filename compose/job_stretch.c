@@ -105,19 +105,13 @@ static kn_status meet(kn_ctx *ctx, double *change, kn_spline *h, const kn_job *j
 // C1 where the tile's degree leaves room for it beside a normal of the least degree, else bilinear.
 static int choose_degree(const kn_job *job, const kn_job_bases *bases)
 {
-    int tile = 1, weight = 0;
-    for (int p = 0; p < job->tile.nparts; p++)
-        for (int s = 0; s < job->tile.parts[p].nsurfaces; s++)
-            for (int d = 0; d < 2; d++) {
-                int degree = job->tile.parts[p].surfaces[s].degree[d];
-                tile = degree > tile ? degree : tile;
-            }
+    int weight = 0;
     for (int s = 0; s < bases->n; s++) {
         const kn_spline *f = &bases->faces[s];
         int own = f->rational ? f->degree[0] + f->degree[1] : 0;
         weight = own > weight ? own : weight;
     }
-    return tile * (6 + 1 + weight + 4) <= job->options.max_degree ? 2 : 1;
+    return kn_job_tile_degree(job) * (6 + 1 + weight + 4) <= job->options.max_degree ? 2 : 1;
 }
 
 // *most: the largest factor.

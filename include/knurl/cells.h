@@ -151,21 +151,25 @@ KN_API KN_CHECKED kn_status kn_cells_relax(kn_ctx *ctx, kn_spline *map, const kn
 // error:  and cost: as kn_spline_compose.
 KN_API KN_CHECKED kn_status kn_cells_compose(kn_ctx *ctx, kn_spline *out, const kn_spline *surface,
                                              const kn_spline *map);
+typedef struct kn_cells_fit_options {
+    double tolerance; // a length > 0
+    double at_most;   // what *error may come to where degrees end before the tolerance is met; 0: the tolerance
+    int degree_sum;   // of both degrees at most, 6 or more; 0: 14
+} kn_cells_fit_options;
 // out ~ S(map), one polynomial for each cell, of degrees 3 to 7, the least found by raising one after the other; the
 // knots are the map's, so that cell lines may be its lines.
-// in:     as kn_cells_compose; cells may cross knot lines of S, which does not jump (else KN_EDOMAIN). tolerance > 0,
-//         a length.
+// in:     as kn_cells_compose; cells may cross knot lines of S, which does not jump (else KN_EDOMAIN).
 // out:    interpolates S(map), as smooth across a line as that is, up to C2; an edge depends on S(map) on that edge
-//         alone. *error >= |out - S(map)| over the whole domain, rounding included, and <= tolerance. NULL: not
-//         wanted. out may be an operand.
-// fails:  KN_EDOMAIN; KN_EUNDECIDED the tolerance is not met in degrees 7, 7, or it is below about 1e-12 of the
-//         coordinates; KN_ECANCELLED, KN_ELIMIT.
+//         alone. *error >= |out - S(map)| over the whole domain, rounding included, and <= tolerance (or at_most).
+//         NULL: not wanted. out may be an operand.
+// fails:  KN_EDOMAIN also options; KN_EUNDECIDED the tolerance is not met in the degrees allowed, or it is below
+//         about 1e-12 of the coordinates; KN_ECANCELLED, KN_ELIMIT.
 // error:  *error: from coefficients of the difference with each polynomial of S that occurs in a cell; 1.2 to 2 times
 //         the largest distance found by sampling.
 // cost:   about 50 us a cell for each bound, more for cells that cross knot lines, and few bounds: 40 x 40 cells of a
 //         patch of the teapot to 1e-5: 0.05 to 0.17 s.
 KN_API KN_CHECKED kn_status kn_cells_fit(kn_ctx *ctx, kn_spline *out, double *error, const kn_spline *surface,
-                                         const kn_spline *map, double tolerance);
+                                         const kn_spline *map, const kn_cells_fit_options *options);
 
 // ---- height by stretch ----
 

@@ -159,8 +159,9 @@ typedef enum kn_cells_spacing {
     KN_CELLS_UNIFORM, // equal parameter steps in each knot span (kn_cells_uniform_lines)
     KN_CELLS_EVEN,    // equal steps of length, for surfaces that share edges together (kn_cells_shared_lines)
     // Corners free in both directions: S is replaced by a fit of S(map) (kn_cells_relax, smooth; kn_cells_fit), from
-    // even lines on; on edges that surfaces share they stay there, and everywhere where cells are too few for a map
-    // without a fold. Not for volumes, nor with fields over S.
+    // even lines on; on edges that surfaces share they stay there, and on a whole part of S where its cells are too
+    // few for a map without a fold, or for a fit within the tolerance in the degrees for which max_degree leaves
+    // room (kn_job_report.even_instead counts these). Not for volumes, nor with fields over S.
     KN_CELLS_FREE,
 } kn_cells_spacing;
 
@@ -193,7 +194,8 @@ typedef struct kn_job_options {
     // Heights follow the local stretch: the thickness is multiplied by kn_cells_stretch (of degree 2, or 1 where
     // max_degree leaves no room), made one on edges that surfaces share. Not for volumes.
     bool stretch;
-    double cells_tol; // of S(map) with KN_CELLS_FREE, length units; 0: 1e-4 of a cell
+    // Of S(map) with KN_CELLS_FREE, length units; 0: 1e-4 of a cell, or up to 1e-3 where degrees end before that.
+    double cells_tol;
     // The shell. Splines over [0,1]^2, which stands for each surface's domain; NULL: none (shell.h). Their knots
     // become knots of S: cells have lines there. Not for volumes.
     kn_normal_method normal;
@@ -223,6 +225,7 @@ typedef struct kn_job_report {
     double jacobian_lo, jacobian_hi; // kn_shell_jacobian_bounds over the heights that the tile occupies
     kn_cells_spread spread;          // of all cells
     double cells_error;              // bound of |S in use - S(map)| with KN_CELLS_FREE; 0: exact
+    int even_instead;                // parts, of nparts, that kept even lines and S with KN_CELLS_FREE
     double stretch_error;            // relative, of the heights that follow the stretch (kn_cells_stretch)
 } kn_job_report;
 

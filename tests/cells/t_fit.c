@@ -77,7 +77,8 @@ static void bounds(void **state)
         make(ctx, &s, &c, which);
         make_map(ctx, &map, &s, &c);
         double error = -1, worst = 0;
-        assert_int_equal(kn_cells_fit(ctx, &out, &error, &s, &map, c.tolerance), KN_OK);
+        assert_int_equal(kn_cells_fit(ctx, &out, &error, &s, &map, &(kn_cells_fit_options){.tolerance = c.tolerance}),
+                         KN_OK);
         assert_true(error > 0 && error <= c.tolerance && !out.rational && out.ncomp == 3);
         for (int d = 0; d < 2; d++) {
             assert_true(out.degree[d] >= 3 && out.degree[d] <= 7);
@@ -116,15 +117,17 @@ static void known_error(void **state)
     assert_int_equal(kn_spline_init(ctx, &s, 2, 3, false, (const int[]){4, 1}, (const int[]){5, 2}, ks, coef), KN_OK);
     assert_int_equal(kn_spline_init(ctx, &map, 2, 2, false, (const int[]){1, 1}, (const int[]){2, 2}, kb, unit),
                      KN_OK);
-    assert_int_equal(kn_cells_fit(ctx, &out, &error, &s, &map, 0.1), KN_OK);
+    assert_int_equal(kn_cells_fit(ctx, &out, &error, &s, &map, &(kn_cells_fit_options){.tolerance = 0.1}), KN_OK);
     assert_true(out.degree[0] == 3 && out.degree[1] == 3);
     assert_true(error >= 1 / 81.0 && error <= 1.3 / 81.0);
     assert_int_equal(kn_spline_eval(ctx, p, &out, at), KN_OK);
     x = pow(at[0], 4);
     assert_true(fabs(fabs(p[0] - x) - 1 / 81.0) <= 1e-15 && fabs(p[1] - 0.25) <= 1e-15 && fabs(p[2]) <= 1e-15);
-    assert_int_equal(kn_cells_fit(ctx, &out, &error, &s, &map, 1e-3), KN_OK); // one degree more: exact
+    assert_int_equal(kn_cells_fit(ctx, &out, &error, &s, &map, &(kn_cells_fit_options){.tolerance = 1e-3}),
+                     KN_OK); // one degree more: exact
     assert_true(out.degree[0] == 4 && out.degree[1] == 3 && error < 1e-12);
-    assert_int_equal(kn_cells_fit(ctx, &map, NULL, &s, &map, 1e-3), KN_OK); // in place, the error not wanted
+    assert_int_equal(kn_cells_fit(ctx, &map, NULL, &s, &map, &(kn_cells_fit_options){.tolerance = 1e-3}),
+                     KN_OK); // in place, the error not wanted
     assert_memory_equal(map.coef, out.coef, 3 * kn_spline_count(&out) * sizeof *out.coef);
     kn_spline_clear(ctx, &s), kn_spline_clear(ctx, &map), kn_spline_clear(ctx, &out);
     test_ctx_end(ctx, &memory);
@@ -142,7 +145,8 @@ static void continuity(void **state)
         fit_case c;
         make(ctx, &s, &c, which);
         make_map(ctx, &map, &s, &c);
-        assert_int_equal(kn_cells_fit(ctx, &out, NULL, &s, &map, c.tolerance), KN_OK);
+        assert_int_equal(kn_cells_fit(ctx, &out, NULL, &s, &map, &(kn_cells_fit_options){.tolerance = c.tolerance}),
+                         KN_OK);
         for (int d = 0; d < 2; d++)
             for (int i = out.degree[d] + 1; i < out.count[d]; i++) // at most degree - 1 times
                 assert_true(out.knots[d][i] < out.knots[d][i + out.degree[d] - 1]);
@@ -177,7 +181,9 @@ static void shared_edges(void **state)
     // even lines differ on both sides: take those of the first for the edge
     size_t n = kn_spline_count(&map[0]), edge = (size_t)map[0].count[1];
     memcpy(map[1].coef + n, map[0].coef + n + (n - edge), edge * sizeof(double));
-    for (int k = 0; k < 2; k++) assert_int_equal(kn_cells_fit(ctx, &out[k], NULL, &part[k], &map[k], 1e-2), KN_OK);
+    for (int k = 0; k < 2; k++)
+        assert_int_equal(
+            kn_cells_fit(ctx, &out[k], NULL, &part[k], &map[k], &(kn_cells_fit_options){.tolerance = 1e-2}), KN_OK);
     assert_true(out[0].degree[0] == 3 && out[1].degree[0] == 3);
     n = kn_spline_count(&out[0]), edge = (size_t)out[0].count[1];
     for (size_t c = 0; c < 3; c++)
@@ -198,7 +204,7 @@ static void refused(kn_ctx *ctx, kn_status want, const kn_spline *s, const kn_sp
 {
     kn_spline out = {0};
     double error = -1;
-    assert_int_equal(kn_cells_fit(ctx, &out, &error, s, map, tolerance), want);
+    assert_int_equal(kn_cells_fit(ctx, &out, &error, s, map, &(kn_cells_fit_options){.tolerance = tolerance}), want);
     assert_true(out.coef == NULL && error == -1 && kn_ctx_error(ctx) == want);
     kn_ctx_clear_error(ctx);
 }
@@ -237,7 +243,8 @@ static kn_status short_of_memory(kn_ctx *ctx, void *user)
     const kn_cells_relax_options o = {.iterations = 1, .smooth = true, .closed = {true, false}};
     kn_status status = kn_construct_cone(ctx, &s, origin, axis, 1, 0.3);
     if (status == KN_OK) status = kn_cells_relax(ctx, &map, &s, (const int[]){5, 1}, &o);
-    if (status == KN_OK) status = kn_cells_fit(ctx, &out, &error, &s, &map, 1e-3);
+    if (status == KN_OK)
+        status = kn_cells_fit(ctx, &out, &error, &s, &map, &(kn_cells_fit_options){.tolerance = 1e-3});
     assert_true((status == KN_OK) == (out.coef != NULL));
     kn_spline_clear(ctx, &s), kn_spline_clear(ctx, &map), kn_spline_clear(ctx, &out);
     return status;

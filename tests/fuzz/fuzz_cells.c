@@ -135,11 +135,13 @@ static kn_status free_corners(feed *f, const kn_spline *s)
         kn_ctx_clear_error(f->ctx);
         status = KN_OK;
     }
+    kn_cells_fit_options fit = {.tolerance = tolerance};
+    if (flags / 128 % 2) fit.at_most = feed_number(f), fit.degree_sum = feed_int(f, 0, 16);
     if (status == KN_OK)
         status = feed_byte(f) % 2 ? kn_cells_compose(f->ctx, &out, s, &map)
-                                  : kn_cells_fit(f->ctx, &out, &error, s, &map, tolerance);
+                                  : kn_cells_fit(f->ctx, &out, &error, s, &map, &fit);
     if (status == KN_OK && !out.coef) abort();
-    if (status == KN_OK && error != -1.0 && !(error >= 0.0 && error <= tolerance)) abort();
+    if (status == KN_OK && error != -1.0 && !(error >= 0.0 && error <= fmax(tolerance, fit.at_most))) abort();
     kn_spline_clear(f->ctx, &map), kn_spline_clear(f->ctx, &out);
     return status;
 }
