@@ -14,7 +14,10 @@ kn_status kn_fold_piece(kn_ctx *ctx, kn_shell_jacobian_piece *out, const kn_shel
 kn_status kn_fold_to_heights(kn_ctx *ctx, kn_shell_jacobian_piece *p, bool below);
 // Turns j of a piece over the part [lo,hi] of its box, in its own coordinates [0,1]^2 (of a volume [0,1]^3; else
 // heights themselves in the third), into one component in three variables over [0,1]^3; the denominator likewise.
-kn_status kn_fold_to_box(kn_ctx *ctx, kn_shell_jacobian_piece *p, const double lo[3], const double hi[3]);
+// error[l], KN_FOLD_ROWS at most: of the coefficients in row l of the third variable.
+enum { KN_FOLD_ROWS = KN_MAX_DEGREE + 1 };
+kn_status kn_fold_to_box(kn_ctx *ctx, kn_shell_jacobian_piece *p, double *error, const double lo[3],
+                         const double hi[3]);
 
 // ---- first_root.c ----
 // At most the first w > 0 at which sum_k c_k w^k may be 0, where each c_k is known within error[k] + share |c_k|;

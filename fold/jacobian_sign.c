@@ -18,9 +18,9 @@ typedef struct box {
 
 typedef struct search {
     kn_ctx *ctx;
-    kn_net net; // one component; with a denominator two arrays
-    size_t arrays, work, spent;
-    double error;
+    kn_net net;          // one component; with a denominator two arrays
+    size_t arrays, rows; // of each box: the arrays, then an error for each row of the third variable
+    size_t work, spent;
     const kn_shell_jacobian_piece *p;
     box part; // of the region that p covers, in parameters
     bool positive, negative, undecided;
@@ -33,6 +33,17 @@ typedef struct search {
 static double parameter(const search *s, int v, double x)
 {
     return x == 1.0 ? s->part.hi[v] : s->part.lo[v] + x * (s->part.hi[v] - s->part.lo[v]);
+}
+
+static size_t size_of(const search *s)
+{
+    return s->arrays * s->net.count + s->rows;
+}
+
+// Of the coefficient k. Great heights have great errors, but low ones do not.
+static double error_of(const search *s, const double *c, size_t k)
+{
+    return c[s->arrays * s->net.count + k % s->rows];
 }
 
 // ---- values: what was divided out comes back ----
@@ -67,7 +78,7 @@ static void bounds(const search *s, double out[2], const double *c, const box *b
 {
     double lo = INFINITY, hi = -INFINITY, f[2], all[2] = {1.0, 1.0};
     for (size_t k = 0; k < s->net.count; k++) {
-        double x = c[k] - s->error, y = c[k] + s->error;
+        double x = c[k] - error_of(s, c, k), y = c[k] + error_of(s, c, k);
         if (s->arrays > 1) {
             double d = c[s->net.count + k], off = 0x1p-40;
             x /= x > 0.0 ? d * (1.0 + off) : d * (1.0 - off);
@@ -97,8 +108,8 @@ static void look_at_corners(search *s, const double *c, const box *b)
         }
         size_t k = (index[0] * row[0] + index[1]) * row[1] + index[2];
         double value = value_at(s, c, k, at);
-        if (c[k] > s->error) s->positive = true;
-        if (c[k] < -s->error) s->negative = true;
+        if (c[k] > error_of(s, c, k)) s->positive = true;
+        if (c[k] < -error_of(s, c, k)) s->negative = true;
         s->most = fmax(s->most, value);
         if (!(value < s->found.value)) continue;
         s->found.value = value;
@@ -130,23 +141,25 @@ static int sign_of(const search *s, const double *c, const box *b)
     for (int v = 0; v < 2; v++) apex = apex || s->p->flat[v][0] || s->p->flat[v][1];
     for (size_t k = 0; k < s->net.count && (positive || negative); k++) {
         if (apex && c[k] == 0.0 && at_apex(s, b, k)) continue;
-        positive = positive && c[k] > s->error;
-        negative = negative && c[k] < -s->error;
+        positive = positive && c[k] > error_of(s, c, k);
+        negative = negative && c[k] < -error_of(s, c, k);
     }
     return positive ? 1 : negative ? -1 : 0;
 }
 
 static double *level(const search *s, int depth, bool second)
 {
-    size_t all = s->arrays * s->net.count;
-    return s->stack + (depth == 0 ? 0 : (size_t)(2 * depth - (second ? 0 : 1))) * all;
+    return s->stack + (depth == 0 ? 0 : (size_t)(2 * depth - (second ? 0 : 1))) * size_of(s);
 }
 
 static void halve(const search *s, int depth, bool second, int var)
 {
     size_t inner = kn_net_inner(&s->net, var), m = (size_t)s->net.degree[var] + 1;
-    kn_bernstein_split(level(s, depth + 1, false), level(s, depth + 1, true), level(s, depth, second),
-                       s->arrays * s->net.count / m / inner, s->net.degree[var], inner, 0.5);
+    double *half[2] = {level(s, depth + 1, false), level(s, depth + 1, true)}, *now = level(s, depth, second);
+    size_t n = s->arrays * s->net.count;
+    kn_bernstein_split(half[0], half[1], now, n / m / inner, s->net.degree[var], inner, 0.5);
+    if (var == 2) kn_bernstein_split(half[0] + n, half[1] + n, now + n, 1, s->net.degree[2], 1, 0.5);
+    for (int e = 0; e < 2 && var != 2; e++) memcpy(half[e] + n, now + n, s->rows * sizeof *now);
 }
 
 // Settles the box, or answers the variable along which to halve it. *known: its sign, 0 as long as it is not known.
@@ -163,7 +176,9 @@ static int visit(search *s, const double *c, const box *b, int depth, int *known
     bool last = depth == DEPTH || s->spent >= s->work;
     s->spent += s->net.count;
     if ((!settled || !fine) && !last) {
-        int var = kn_net_steepest(&s->net, c, &s->error);
+        double least = INFINITY;
+        for (size_t l = 0; l < s->rows; l++) least = fmin(least, error_of(s, c, l));
+        int var = kn_net_steepest(&s->net, c, &least);
         if (var >= 0) return var;
     }
     if (!settled && !s->undecided) {
@@ -227,22 +242,34 @@ static bool cut(box *local, box *part, const kn_shell_jacobian_piece *p, const d
     return true;
 }
 
+// The errors of the rows, with room for the rounding of all halvings: these are means, of errors as of coefficients.
+static void take_errors(search *s, const double *error)
+{
+    double roundings = 4.0 * (s->net.degree[0] + s->net.degree[1] + s->net.degree[2] + 3.0) * DEPTH;
+    for (size_t l = 0; l < s->rows; l++) {
+        double most = 0.0;
+        for (size_t k = l; k < s->net.count; k += s->rows) most = fmax(most, fabs(s->stack[k]));
+        s->stack[s->arrays * s->net.count + l] = 1.001 * (error[l] + kn_rounding(roundings) * most) + kn_underflow();
+    }
+}
+
 static kn_status search_piece(kn_ctx *ctx, search *s, kn_shell_jacobian_piece *p, const box *local)
 {
     kn_mark mark = kn_scratch_mark(ctx);
-    kn_status status = kn_fold_to_box(ctx, p, local->lo, local->hi);
+    double error[KN_FOLD_ROWS];
+    kn_status status = kn_fold_to_box(ctx, p, error, local->lo, local->hi);
     if (status == KN_OK) {
-        double roundings = 4.0 * (p->j.degree[0] + p->j.degree[1] + p->j.degree[2] + 3.0) * DEPTH;
         s->net = kn_net_make(3, 1, p->j.degree);
         s->arrays = p->denominator.coef ? 2 : 1;
-        s->error = 1.001 * (p->error[0] + kn_rounding(roundings) * kn_largest(p->j.coef, s->net.count)) +
-                   kn_underflow();
-        s->stack = kn_scratch(ctx, (2 * DEPTH + 1) * s->arrays * s->net.count, sizeof *s->stack);
+        s->rows = (size_t)p->j.degree[2] + 1;
+        s->stack = kn_scratch(ctx, (2 * DEPTH + 1) * size_of(s), sizeof *s->stack);
         if (!s->stack) status = KN_ENOMEM;
     }
     if (status == KN_OK) {
-        memcpy(s->stack, p->j.coef, s->net.count * sizeof *s->stack);
-        if (s->arrays > 1) memcpy(s->stack + s->net.count, p->denominator.coef, s->net.count * sizeof *s->stack);
+        size_t n = s->net.count;
+        memcpy(s->stack, p->j.coef, n * sizeof *s->stack);
+        if (s->arrays > 1) memcpy(s->stack + n, p->denominator.coef, n * sizeof *s->stack);
+        take_errors(s, error);
         status = divide(s);
     }
     kn_scratch_release(ctx, mark);

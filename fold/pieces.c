@@ -4,21 +4,14 @@
 #include "kernel/bernstein.h"
 #include "kernel/binomial.h"
 #include "kernel/context.h"
+#include "solve/net.h"
 
 #include <math.h>
-
-// More than gamma(n).
-static double rounding(double n)
-{
-    return n * 0x1.01p-53;
-}
 
 static double largest(const kn_bezier *b, int comp)
 {
     size_t n = kn_bezier_count(b);
-    double most = 0.0;
-    for (size_t k = 0; k < n; k++) most = fmax(most, fabs(b->coef[(size_t)comp * n + k]));
-    return most;
+    return kn_largest(b->coef + (size_t)comp * n, n);
 }
 
 size_t kn_fold_boxes(const kn_shell *shell)
@@ -56,7 +49,7 @@ static void to_powers(double *out, double *error, const kn_bezier *b, double kno
     }
     double grow = 1.0;
     for (int k = 0; k <= m; k++) {
-        error[k] = 1.001 * kn_binomial(m, k) * grow * (known + rounding(3.0 * k + 4.0) * most);
+        error[k] = 1.001 * kn_binomial(m, k) * grow * (known + kn_rounding(3.0 * k + 4.0) * most);
         grow *= 2.0 / width;
     }
 }
@@ -79,13 +72,14 @@ kn_status kn_fold_to_heights(kn_ctx *ctx, kn_shell_jacobian_piece *p, bool below
     return KN_OK;
 }
 
-// Powers of w over [w0,w1], as Bernstein polynomials: the third variable.
+// Powers of w over [w0,w1], as Bernstein polynomials: the third variable. error[l], of row l: power k has the row
+// (the mean of products of k ends of [w0,w1]) there, which the same mean of magnitudes bounds.
 static kn_status spread(kn_ctx *ctx, kn_bezier *out, double *error, const kn_bezier *j, const double *known,
                         double w0, double w1)
 {
     int top = j->ncomp - 1, degree[3] = {j->degree[0], j->degree[1], top};
     size_t n = kn_bezier_count(j), row = (size_t)top + 1;
-    double far = fmax(fabs(w0), fabs(w1)), sum = 0.0, size = 0.0, power[KN_MAX_COMPS];
+    double power[KN_MAX_COMPS], sum[KN_MAX_COMPS] = {0};
     kn_bezier b = {0};
     kn_status status = kn_bezier_init(ctx, &b, 3, 1, false, degree);
     if (status != KN_OK) return status;
@@ -93,12 +87,11 @@ static kn_status spread(kn_ctx *ctx, kn_bezier *out, double *error, const kn_bez
         kn_bernstein_power(power, k, top, w0, w1);
         for (size_t i = 0; i < n; i++)
             for (size_t l = 0; l < row; l++) b.coef[i * row + l] += j->coef[(size_t)k * n + i] * power[l];
+        double each = known[k] + kn_rounding(8.0 * top + 16.0) * largest(j, k);
+        kn_bernstein_power(power, k, top, fabs(w0), fabs(w1));
+        for (size_t l = 0; l < row; l++) sum[l] += each * power[l];
     }
-    for (int k = top; k >= 0; k--) {
-        sum = sum * far + known[k];
-        size = size * far + largest(j, k);
-    }
-    *error = 1.001 * (sum + rounding(8.0 * top + 16.0) * size);
+    for (size_t l = 0; l < row; l++) error[l] = 1.001 * sum[l];
     kn_bezier_swap(out, &b);
     kn_bezier_clear(ctx, &b);
     return KN_OK;
@@ -118,15 +111,17 @@ static kn_status repeat(kn_ctx *ctx, kn_bezier *d, int top)
     return KN_OK;
 }
 
-kn_status kn_fold_to_box(kn_ctx *ctx, kn_shell_jacobian_piece *p, const double lo[3], const double hi[3])
+kn_status kn_fold_to_box(kn_ctx *ctx, kn_shell_jacobian_piece *p, double *error, const double lo[3],
+                         const double hi[3])
 {
     int top = p->j.ncomp - 1;
     bool plane = p->j.nvars == 2;
-    for (int k = 0; k <= top; k++) p->error[k] = 1.001 * (p->error[k] + rounding(1024.0) * largest(&p->j, k));
+    for (int k = 0; k <= top; k++) p->error[k] = 1.001 * (p->error[k] + kn_rounding(1024.0) * largest(&p->j, k));
     kn_status status = kn_bezier_restrict(ctx, &p->j, &p->j, lo, hi);
     if (status == KN_OK && p->denominator.coef)
         status = kn_bezier_restrict(ctx, &p->denominator, &p->denominator, lo, hi);
-    if (status == KN_OK && plane) status = spread(ctx, &p->j, p->error, &p->j, p->error, lo[2], hi[2]);
+    if (status == KN_OK && plane) status = spread(ctx, &p->j, error, &p->j, p->error, lo[2], hi[2]);
+    for (int l = 0; !plane && l <= p->j.degree[2]; l++) error[l] = p->error[0];
     if (status == KN_OK && plane && p->denominator.coef) status = repeat(ctx, &p->denominator, top);
     return status;
 }

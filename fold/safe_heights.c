@@ -8,6 +8,7 @@
 #include "kernel/bernstein.h"
 #include "kernel/context.h"
 #include "kernel/parallel.h"
+#include "solve/net.h"
 
 #include <math.h>
 #include <string.h>
@@ -16,15 +17,18 @@ enum { DEPTH = 40, LEAST_WORK = 64, WORK = 1 << 24 }; // halvings of a box; coef
 static const double enough = 0.99;                    // a lower bound by an upper one
 static const double share = 0x1p-20;                  // J counts as 0 below so much of its terms
 
+// lower: J does not vanish below it. upper: where that can be shown no more, for what J or its rounding is. most:
+// where J itself counts as 0, whatever its rounding.
 typedef struct side {
-    double lower, upper, where[2];
+    double lower, upper, most, where[2];
 } side;
 
 // J in powers of the height over one box, and its halves: level k >= 1 has them at 2k - 1 and 2k, level 0 the whole.
 typedef struct search {
     int top, degree[2];
     size_t count;
-    double error[KN_MAX_COMPS], base, reach; // heights base + w, 0 <= w <= reach
+    double error[KN_MAX_COMPS], gain[KN_MAX_COMPS]; // gain: less it, a coefficient is the most that it may be
+    double base, reach;                             // heights base + w, 0 <= w <= reach
     bool flat[2][2];
     double lo[2], width[2];
     double *stack;
@@ -69,9 +73,13 @@ static void look_at_corners(side *found, const search *s, const double *c, const
         bool end[2] = {k / 2 == 1, k % 2 == 1};
         size_t i = end[0] ? (size_t)s->degree[0] : 0, j = end[1] ? (size_t)s->degree[1] : 0;
         const double *at = c + i * ((size_t)s->degree[1] + 1) + j;
-        double h = height(s, kn_fold_first_root(at, s->count, s->error, s->top, share, on_flat(s, lo, hi, i, j)));
-        if (!(h < found->upper)) continue;
-        found->upper = h;
+        bool zero = on_flat(s, lo, hi, i, j);
+        double h = height(s, kn_fold_first_root(at, s->count, s->error, s->top, share, zero));
+        if (!(h < found->most) && !(h < found->upper)) continue;
+        found->upper = fmin(found->upper, h);
+        h = height(s, kn_fold_first_root(at, s->count, s->gain, s->top, share, zero));
+        if (!(h < found->most)) continue;
+        found->most = h;
         for (int v = 0; v < 2; v++) found->where[v] = s->lo[v] + (end[v] ? hi[v] : lo[v]) * s->width[v];
     }
 }
@@ -148,9 +156,9 @@ static kn_status prepare(kn_ctx *ctx, search *s, kn_shell_jacobian_piece *p, boo
     }
     double roundings = (4.0 * (s->degree[0] + s->degree[1]) + 8.0) * DEPTH;
     for (int k = 0; k <= s->top; k++) {
-        double most = 0.0;
-        for (size_t i = 0; i < s->count; i++) most = fmax(most, fabs(p->j.coef[(size_t)k * s->count + i]));
-        s->error[k] = 1.001 * (p->error[k] + roundings * 0x1.01p-53 * most);
+        double most = kn_largest(p->j.coef + (size_t)k * s->count, s->count);
+        s->error[k] = 1.001 * (p->error[k] + kn_rounding(roundings) * most);
+        s->gain[k] = -s->error[k];
     }
     s->stack = kn_scratch(ctx, deep ? (2 * DEPTH + 1) * all : all, sizeof *s->stack);
     if (!s->stack) return KN_ENOMEM;
@@ -160,7 +168,7 @@ static kn_status prepare(kn_ctx *ctx, search *s, kn_shell_jacobian_piece *p, boo
 
 static void clear_sides(side out[2])
 {
-    for (int b = 0; b < 2; b++) out[b] = (side){INFINITY, INFINITY, {0.0, 0.0}};
+    for (int b = 0; b < 2; b++) out[b] = (side){INFINITY, INFINITY, INFINITY, {0.0, 0.0}};
 }
 
 // The bounds that the coefficients of the whole box give.
@@ -207,11 +215,8 @@ static kn_status second_look(kn_ctx *ctx, void *user, size_t index)
             side own = *found;
             own.upper = fmin(own.upper, known);
             refine(&own, &s, LEAST_WORK + a->work / (s.count * ((size_t)s.top + 1)));
-            if (own.upper < fmin(found->upper, known)) {
-                found->upper = own.upper;
-                memcpy(found->where, own.where, sizeof own.where);
-            }
-            found->lower = fmax(found->lower, own.lower);
+            own.lower = fmax(found->lower, own.lower);
+            *found = own;
         }
         kn_scratch_release(ctx, mark);
         kn_shell_jacobian_piece_clear(ctx, &p);
@@ -229,8 +234,8 @@ static void start(kn_fold_heights *h, const double middle[2])
 static void take(double *height, double *most, double where[2], const side *s)
 {
     *height = fmin(*height, s->lower);
-    if (!(s->upper < *most)) return;
-    *most = s->upper;
+    if (!(s->most < *most)) return;
+    *most = s->most;
     for (int v = 0; v < 2; v++) where[v] = s->where[v];
 }
 
@@ -267,8 +272,12 @@ static kn_status compute(kn_ctx *ctx, job *a, kn_fold_heights *cells, kn_fold_he
     if (!a->side || !a->cell || !known) return KN_ENOMEM;
     kn_status status = kn_parallel(ctx, a->n, first_look, a, "safe heights");
     if (status != KN_OK) return status;
-    gather(cells, overall, a, ncells);
-    for (size_t c = 0; c < ncells; c++) known[2 * c] = cells[c].above_most, known[2 * c + 1] = cells[c].below_most;
+    for (size_t k = 0; k < 2 * ncells; k++) known[k] = INFINITY;
+    for (size_t i = 0; i < a->n; i++)
+        for (size_t b = 0; b < 2; b++) {
+            double *least = &known[2 * a->cell[i] + b];
+            *least = fmin(*least, a->side[i][b].upper);
+        }
     a->known = known;
     status = kn_parallel(ctx, a->n, second_look, a, "safe heights");
     if (status == KN_OK) gather(cells, overall, a, ncells);

@@ -43,15 +43,18 @@ KN_API KN_CHECKED kn_status kn_fold_jacobian_sign(kn_ctx *ctx, kn_fold_sign *out
 // How far T may go before J vanishes: J > 0 over the cell for 0 < w < above and for 0 > w > -below, guaranteed.
 typedef struct kn_fold_heights {
     double above, below; // INFINITY: J has no zero on that side (within the heights of a volume), certified
-    // No more than about these would be safe: found at a place where J falls below 2^-20 of its terms, or their
-    // rounding. above >= 0.99 above_most unless the work limit was met. INFINITY: none was found.
+    // No more than about these would be safe: found at a place where J, not its rounding, falls below 2^-20 of its
+    // terms. INFINITY: no limit was found; a finite `above` is then as far as rounding lets J be known. Else above >=
+    // 0.99 above_most unless that, or the work limit, ends the search first.
     double above_most, below_most;
-    double where_above[2], where_below[2]; // (u,v) of them
+    double where_above[2], where_below[2]; // (u,v) of them; the middle of the domain where they are INFINITY
 } kn_fold_heights;
 // out:    cells: one for each cell of the shell, u slowest (kn_shell_cells); overall: their least. NULL: not wanted.
 //         0 where J is not positive right above w = 0 (a left-handed volume; below a cone's apex). A volume has no
-//         `below`: INFINITY. What does not fold, a plane, has heights that are finite, but as large as rounding (of
-//         J_1 and J_2 against J_0) leaves them: 1e10 and more.
+//         `below`: INFINITY. What does not fold may have finite heights, with `most` INFINITY: J is known within some
+//         1e-13 of its terms, and one of them, w^k, that is 0 though the control points behind it are neither 0 nor
+//         alike, limits w to about 1e13 to the power 1/k (a tilted plane: 1e10 and more; a high power of an
+//         attraction: less).
 // fails:  KN_ELIMIT as kn_shell_jacobian, KN_ENOMEM, KN_ECANCELLED; outputs unchanged.
 // error:  none: above and below are lower bounds, rounding included.
 // cost:   kn_shell_jacobian_piece_init for each box of the grid, twice where it comes near the least, and some us for
