@@ -66,8 +66,7 @@ static int check_arguments(const cli_apply *a)
     const char *missing = !a->job.base                      ? "a BASE file is missing"
                           : !a->job.tile                    ? "--tile is missing ('knurl tiles' lists them)"
                           : a->noutputs == 0 && !a->dry_run ? "no output: give -o OUT, or --dry-run"
-                          : a->job.options.count[0] && a->job.has_size ? "--count and --size exclude each other"
-                                                                       : NULL;
+                                                            : cli_job_conflict(&a->job);
     if (!missing) return EXIT_OK;
     cli_error("apply: %s", missing);
     cli_usage_hint("apply");
@@ -92,15 +91,33 @@ static kn_status run(kn_ctx *ctx, const cli_apply *a, const kn_job *job, double 
 
 // STEP files say that points within a micrometre are one, and CAD systems merge what is closer: a base in another
 // unit than the one that was said shows here.
-static void warn_of_size(cli_session *session, const cli_apply *a, const kn_job_report *report)
+static void warn_of_size(cli_session *session, const cli_apply *a, const char *path, const kn_job_report *report)
 {
     double cell_mm = report->cell_size * a->job.unit_mm;
+    if (cell_mm < 0.01)
+        cli_warn(session,
+                 "%s: cells of %.2g mm are too small for CAD systems, which merge points within 0.001 mm; "
+                 "is --unit right?",
+                 path, cell_mm);
+}
+
+// What is beyond a receiver's degree it leaves out, often without a word.
+static void warn_of_degree(cli_session *session, const char *path, const kn_job_report *report)
+{
+    int degree = report->degree[0] > report->degree[1] ? report->degree[0] : report->degree[1];
+    if (degree > 25)
+        cli_warn(session,
+                 "%s: faces of degree up to %d: OCCT reads none above 25, CATIA none above 15, VDA-FS none above 11 "
+                 "(--max-degree)",
+                 path, degree);
+}
+
+static void warn_of_receivers(cli_session *session, const cli_apply *a, const kn_job_report *report)
+{
     for (int i = 0; i < a->noutputs; i++)
-        if ((cli_has_ending(a->outputs[i], "step") || cli_has_ending(a->outputs[i], "stp")) && cell_mm < 0.01) {
-            cli_warn(session,
-                     "%s: cells of %.2g mm are too small for CAD systems, which merge points within 0.001 mm; "
-                     "is --unit right?",
-                     a->outputs[i], cell_mm);
+        if (cli_has_ending(a->outputs[i], "step") || cli_has_ending(a->outputs[i], "stp")) {
+            warn_of_size(session, a, a->outputs[i], report);
+            warn_of_degree(session, a->outputs[i], report);
             return;
         }
 }
@@ -111,10 +128,10 @@ static int apply(cli_session *session, cli_apply *a, const cli_base *base, const
     kn_job *job = NULL;
     double bytes[CLI_MAX_OUTPUTS], began = cli_seconds();
     kn_status status = kn_job_create(ctx, &job, base->surfaces, base->nsurfaces, tile, &a->job.options);
-    if (status != KN_OK) return cli_fail_on(session, status, a->job.base, false);
+    if (status != KN_OK) return cli_fail_on_job(session, status, &a->job);
     kn_job_report report = kn_job_describe(job);
     timing->plan = cli_seconds() - began;
-    warn_of_size(session, a, &report);
+    warn_of_receivers(session, a, &report);
     began = cli_seconds();
     if (a->dry_run)
         for (int i = 0; i < a->noutputs; i++) bytes[i] = cli_estimate_bytes(a->outputs[i], &report);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // knurl check: how high a texture may be before the base folds or meets itself.
 #include "cli/check.h"
+#include "io/out_file.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -47,6 +48,19 @@ static bool set_option(check *c, int option, const char *value)
     }
 }
 
+// A spline file, or a recipe: then what it says is checked, and its outputs do not matter.
+static int set_base(check *c, const char *path)
+{
+    c->job.base = path;
+    if (!cli_has_ending(path, "json")) return EXIT_OK;
+    cli_apply recipe = {.job = c->job};
+    int code = cli_read_recipe(&recipe, path);
+    c->job = recipe.job;
+    memcpy(c->owned, recipe.owned, sizeof c->owned);
+    c->nowned = recipe.nowned;
+    return code;
+}
+
 // EXIT_OK, an exit code after a message, or -1 when help was asked for and given.
 static int read_arguments(check *c, int argc, char **argv)
 {
@@ -65,9 +79,10 @@ static int read_arguments(check *c, int argc, char **argv)
             cli_error("check: one base at a time, got '%s' and '%s'", c->job.base, value);
             return EXIT_USAGE;
         }
-        if (option == CLI_POSITIONAL)
-            c->job.base = value;
-        else if (!set_option(c, option, value))
+        if (option == CLI_POSITIONAL) {
+            int code = set_base(c, value);
+            if (code != EXIT_OK) return code;
+        } else if (!set_option(c, option, value))
             return EXIT_USAGE;
     }
     return EXIT_OK;
@@ -79,10 +94,9 @@ static int check_arguments(const check *c)
     bool cells = job->options.count[0] || job->has_size || job->options.spacing || job->options.rows ||
                  job->options.stretch || job->options.quarter_turns;
     const char *missing = !job->base                                         ? "a BASE file is missing"
-                          : job->options.count[0] && job->has_size           ? "--count and --size exclude each other"
                           : cells && !job->tile                              ? "cells need a --tile"
                           : job->offset.value != 0 && job->height.value == 0 ? "--offset needs --height"
-                                                                             : NULL;
+                                                                             : cli_job_conflict(job);
     if (!missing) return EXIT_OK;
     cli_error("check: %s", missing);
     cli_usage_hint("check");
@@ -118,10 +132,37 @@ static int find_intersection(cli_session *session, check *c)
     return status == KN_OK ? EXIT_OK : cli_fail_on(session, status, c->job.base, false);
 }
 
+// Whether each output can be made, before the work is done that it would show.
+static int try_outputs(cli_session *session, const check *c)
+{
+    kn_ctx *ctx = cli_ctx(session);
+    for (int i = 0; i < c->noutputs; i++) {
+        kn_out_file *file = NULL;
+        kn_status status = kn_out_open(ctx, &file, c->outputs[i]);
+        if (status != KN_OK) return cli_fail(session, status, false);
+        kn_out_close(ctx, file);
+    }
+    return EXIT_OK;
+}
+
+// The report comes even if a picture of it fails.
+static int draw_and_print(cli_session *session, check *c, double began)
+{
+    int code = EXIT_OK;
+    while (c->ndrawn < c->noutputs && code == EXIT_OK) {
+        code = check_draw(session, c, c->outputs[c->ndrawn]);
+        c->ndrawn += code == EXIT_OK;
+    }
+    c->seconds = cli_seconds() - began;
+    if (code != EXIT_CANCELLED) check_print(c);
+    return code == EXIT_OK && !check_passed(c) ? EXIT_CHECK_FAILED : code;
+}
+
 static int examine(cli_session *session, check *c)
 {
     double began = cli_seconds();
-    int code = cli_job_begin(session, &c->job);
+    int code = try_outputs(session, c);
+    if (code == EXIT_OK) code = cli_job_begin(session, &c->job);
     if (code == EXIT_OK && c->job.tile)
         code = cli_read_tile(session, &c->tile, c->job.tile, c->job.has_cell ? c->job.cell : NULL);
     if (code == EXIT_OK) code = cli_read_base(session, &c->base, c->job.base, true);
@@ -133,10 +174,7 @@ static int examine(cli_session *session, check *c)
     }
     if (code == EXIT_OK) code = check_examine(session, c);
     if (code == EXIT_OK) code = find_intersection(session, c);
-    for (int i = 0; i < c->noutputs && code == EXIT_OK; i++) code = check_draw(session, c, c->outputs[i]);
-    c->seconds = cli_seconds() - began;
-    if (code == EXIT_OK) check_print(c);
-    return code == EXIT_OK && !check_passed(c) ? EXIT_CHECK_FAILED : code;
+    return code == EXIT_OK ? draw_and_print(session, c, began) : code;
 }
 
 int cli_command_check(int argc, char **argv)
@@ -144,11 +182,13 @@ int cli_command_check(int argc, char **argv)
     check c = {.job = cli_job_defaults(), .work = CHECK_WORK, .pixels = {1280, 960}};
     int code = read_arguments(&c, argc, argv);
     if (code == EXIT_OK) code = check_arguments(&c);
-    if (code != EXIT_OK) return code < 0 ? EXIT_OK : code;
-    cli_session *session = cli_session_begin((cli_session_options){.threads = c.job.threads, .quiet = c.job.quiet});
-    if (!session) return EXIT_FAILED;
-    code = examine(session, &c);
-    check_clear(session, &c);
+    cli_session *session = NULL;
+    if (code == EXIT_OK) {
+        session = cli_session_begin((cli_session_options){.threads = c.job.threads, .quiet = c.job.quiet});
+        code = session ? examine(session, &c) : EXIT_FAILED;
+    }
+    if (session) check_clear(session, &c);
     cli_session_end(session);
-    return code;
+    for (int i = 0; i < c.nowned; i++) free(c.owned[i]);
+    return code < 0 ? EXIT_OK : code;
 }

@@ -43,7 +43,9 @@ typedef struct check_cell {
 typedef struct check {
     cli_job job;
     const char *outputs[16];
-    int noutputs;
+    int noutputs, ndrawn;
+    char *owned[CLI_MAX_OUTPUTS + 8]; // texts that a recipe allocated; freed at the end
+    int nowned;
     bool by_jacobian; // what the picture shows
     int pixels[2];
     size_t work;

@@ -157,8 +157,9 @@ static void print_local(const check *c)
                s->sign.where[1], s->sign.where[2]);
         break;
     }
-    printf("safe: %s above the base, %s below it (certified; the limits are within 1 %% of this)\n",
-           height_text(c, c->safe.above).s, height_text(c, c->safe.below).s);
+    printf("safe: %s above the base, %s below it (certified; the limits are within 1 %% of this%s)\n",
+           height_text(c, c->safe.above).s, height_text(c, c->safe.below).s,
+           c->job.tile ? "; of whole cells, whatever the tile occupies" : "");
     if (c->nfolding > 0) print_cells(c);
 }
 
@@ -184,42 +185,89 @@ static void print_global(const check *c)
     printf("    %s\n    %s\n", witness_text(c, &g->a).s, witness_text(c, &g->b).s);
 }
 
-// The height that the worst cell allows, on the scale of what was asked for.
+static double asked(const check *c)
+{
+    return fmax(fabs(c->range[0]), fabs(c->range[1]));
+}
+
+// The distance from the base that the worst of the cells that fold allows.
 static double allowed(const check *c)
 {
-    double room = c->ncells > 0 ? c->cells[0].room : INFINITY;
-    double asked = fmax(fabs(c->range[0]), fabs(c->range[1]));
-    return room * asked;
+    double room = INFINITY;
+    for (size_t i = 0; i < c->ncells; i++)
+        if (c->cells[i].folds) room = fmin(room, c->cells[i].room);
+    return room * asked(c);
+}
+
+// Lower it, with what is said by an offset; or what else there is to do where no height is safe.
+static void advise_on_height(const check *c)
+{
+    double most = allowed(c), offset = fabs(c->job.options.offset);
+    if (offset >= most) {
+        printf("    lower the offset: with the height it has to stay within %s, and no cell folds\n",
+               height_text(c, most).s);
+        return;
+    }
+    if (offset > 0)
+        printf("    lower the height: with the offset it has to stay within %s, and no cell folds",
+               height_text(c, most).s);
+    else
+        printf("    lower the texture to %s, and no cell folds", height_text(c, most).s);
+    bool above = c->range[1] > 0 && c->range[0] >= 0, below = c->range[0] < 0 && c->range[1] <= 0;
+    if (offset == 0 && above && c->safe.below > c->range[1]) printf("; or put it below the base (--side below)");
+    if (offset == 0 && below && c->safe.above > -c->range[0]) printf("; or put it above the base (--side above)");
+    printf("\n    or lower it where there is no room: --thickness FILE.g2, with 1 where the height may stay\n");
+}
+
+// No height is safe: T is turned over from the start.
+static void advise_on_orientation(const check *c)
+{
+    bool volumes = c->base.nsurfaces > 0 && c->base.surfaces[0].nvars == 3;
+    if (volumes && c->verdict == KN_FOLD_NEGATIVE)
+        printf("    the volume is left-handed: swap its u and v, or turn its w round\n");
+    else if (volumes)
+        printf("    the volume folds by itself, whatever the texture: mend it there\n");
+    else if (c->job.options.direction && c->verdict == KN_FOLD_NEGATIVE)
+        printf("    the direction points below the base: turn it round, and the side of the texture with it\n");
+    else if (c->job.options.direction)
+        printf("    the direction lies in the base there, or points below it: choose one that rises everywhere\n");
+    else
+        printf("    no height at all is safe there: mend the base, whose normals turn over at once\n");
+}
+
+static void advise_on_crossing(const check *c)
+{
+    const kn_fold_intersection *g = &c->global;
+    double least = fmax(fabs(g->a.lo[2]), fabs(g->b.lo[2]));
+    if (least > 1e-9 * asked(c))
+        printf(
+            "    there it reaches itself at height %.3g or below: keep it well below, or move the surfaces apart\n",
+            least);
+    else
+        printf("    surfaces of the base itself cross there: trim them, or leave one of them without texture\n");
 }
 
 static void print_advice(const check *c)
 {
     if (check_passed(c)) return;
+    bool folds = c->verdict == KN_FOLD_MIXED || c->verdict == KN_FOLD_NEGATIVE;
     double most = allowed(c);
     printf("what to change:\n");
-    if (c->nfolding > 0 && most > 0 && most < fmax(fabs(c->range[0]), fabs(c->range[1]))) {
-        printf("    lower the texture to %s, and no cell folds", height_text(c, most).s);
-        bool above = c->range[1] > 0 && c->range[0] >= 0, below = c->range[0] < 0 && c->range[1] <= 0;
-        if (above && c->safe.below > c->range[1]) printf("; or put it below the base (--side below)");
-        if (below && c->safe.above > -c->range[0]) printf("; or put it above the base (--side above)");
-        printf("\n    or lower it where there is no room: --thickness FILE.g2, with 1 where the height may stay\n");
-    }
-    const kn_fold_intersection *g = &c->global;
-    double least = fmax(fabs(g->a.lo[2]), fabs(g->b.lo[2]));
-    if (g->verdict == KN_FOLD_FOUND && least > 1e-9 * fmax(fabs(c->range[0]), fabs(c->range[1])))
-        printf(
-            "    there it reaches itself at height %.3g or below: keep it well below, or move the surfaces apart\n",
-            least);
-    else if (g->verdict == KN_FOLD_FOUND)
-        printf("    surfaces of the base itself cross there: trim them, or leave one of them without texture\n");
-    if (g->verdict == KN_FOLD_OPEN || c->verdict == KN_FOLD_UNDECIDED)
-        printf("    what is in doubt may be decided with more work: --work N\n");
+    if (folds && most > 0 && most < asked(c))
+        advise_on_height(c);
+    else if (folds)
+        advise_on_orientation(c);
+    if (c->verdict == KN_FOLD_UNDECIDED)
+        printf("    the Jacobian vanishes there, or nearly: another height, or a base that is smoother there\n");
+    if (c->global.verdict == KN_FOLD_FOUND) advise_on_crossing(c);
+    if (c->global.verdict == KN_FOLD_OPEN)
+        printf("    whether it meets itself may be decided with more work: --work %zu\n", 10 * c->work);
 }
 
 // A bound that rounding alone keeps from 0 is printed as 0.
 static double plain(const check *c, double h)
 {
-    return fabs(h) < 1e-9 * fmax(fabs(c->range[0]), fabs(c->range[1])) ? 0 : h;
+    return fabs(h) < 1e-9 * asked(c) ? 0 : h;
 }
 
 static void print_text(const check *c)
@@ -234,7 +282,7 @@ static void print_text(const check *c)
     print_local(c);
     print_global(c);
     print_advice(c);
-    for (int i = 0; i < c->noutputs; i++) printf("%s\n", c->outputs[i]);
+    for (int i = 0; i < c->ndrawn; i++) printf("%s\n", c->outputs[i]);
     printf("%.2f s\n", c->seconds);
 }
 

@@ -7,9 +7,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-// Edges of a base that turn by more than this are edges, and not the rounding of a smooth joint.
-static const double crease_angle = 1e-3;
-
 // ---- from a base ----
 
 static bool add_room(check *c, int more)
@@ -32,8 +29,14 @@ static kn_status add_volume(kn_ctx *ctx, check *c, const kn_spline *volume, int 
 static kn_status add_surface(kn_ctx *ctx, check *c, const kn_spline *surface, int index)
 {
     kn_spline *pieces = NULL;
-    int counts[2] = {0, 0}, first[2] = {0, 0};
-    kn_status status = kn_shell_split_creases(ctx, &pieces, counts, surface, crease_angle);
+    int counts[2] = {1, 1}, first[2] = {0, 0};
+    if (c->job.options.direction) { // it goes on over a crease, and so does T
+        if (!add_room(c, 1)) return KN_ENOMEM;
+        c->shells[c->nshells].surface = index;
+        return kn_spline_copy(ctx, &c->shells[c->nshells++].spline, surface);
+    }
+    kn_status status = kn_shell_split_creases(ctx, &pieces, counts, surface,
+                                              cli_crease_angle(c->job.options.normal_tol));
     if (status != KN_OK) return status;
     if (!add_room(c, counts[0] * counts[1])) status = KN_ENOMEM;
     for (int i = 0; i < counts[0]; i++) {
@@ -124,8 +127,9 @@ static int fail(cli_session *session, const check *c, kn_status status)
     for (int i = 0; i < c->nshells && !s; i++)
         if (c->shells[i].failure[0]) s = &c->shells[i];
     bool blame = status == KN_EDOMAIN || status == KN_ELIMIT || status == KN_EUNDEFINED || status == KN_EUNDECIDED;
-    if (!s || !blame) return cli_fail_on(session, status, c->job.base, false);
-    return cli_fail_at(session, status, "%s: surface %d: %s", c->job.base, s->surface, s->failure);
+    if (!s || !blame) return cli_fail_on_job(session, status, &c->job);
+    cli_field_text field = cli_blamed_field(&c->job, s->failure);
+    return cli_fail_at(session, status, "%s%s: surface %d: %s", field.text, c->job.base, s->surface, s->failure);
 }
 
 int check_make_shells(cli_session *session, check *c)
@@ -196,22 +200,37 @@ static void join(kn_fold_sign *all, const kn_fold_sign *more)
         memcpy(all->where, more->where, sizeof all->where);
         all->value = more->value;
     }
-    all->lo = fmin(all->lo, more->lo);
-    all->hi = fmax(all->hi, more->hi);
     bool both = all->verdict != more->verdict;
     bool open = all->verdict == KN_FOLD_UNDECIDED || more->verdict == KN_FOLD_UNDECIDED;
     bool mixed = all->verdict == KN_FOLD_MIXED || more->verdict == KN_FOLD_MIXED;
     all->verdict = mixed ? KN_FOLD_MIXED : open ? KN_FOLD_UNDECIDED : both ? KN_FOLD_MIXED : all->verdict;
 }
 
+// The regions of a shell, as large as they are: bounds of the Jacobian, and whether it is positive on all of them.
+static kn_status bound_regions(kn_ctx *ctx, const check *c, check_shell *s, int index, bool *positive)
+{
+    kn_status status = KN_OK;
+    s->sign = (kn_fold_sign){.verdict = KN_FOLD_POSITIVE, .lo = INFINITY, .hi = -INFINITY};
+    *positive = true;
+    for (size_t k = 0; k < c->nregions && status == KN_OK; k++) {
+        kn_fold_sign sign;
+        if (c->regions[k].shell != index) continue;
+        status = kn_fold_jacobian_sign(ctx, &sign, s->shell, c->regions[k].lo, c->regions[k].hi);
+        if (status != KN_OK) continue;
+        *positive &= sign.verdict == KN_FOLD_POSITIVE;
+        s->sign.lo = fmin(s->sign.lo, sign.lo);
+        s->sign.hi = fmax(s->sign.hi, sign.hi);
+    }
+    return status;
+}
+
 // Cells whose safe heights do not cover the tile's: its boxes there are looked at one by one.
 static kn_status examine_regions(kn_ctx *ctx, const check *c, check_shell *s, int index)
 {
-    double lo[3], hi[3];
-    box_of(s, lo, hi);
-    s->sign = (kn_fold_sign){.verdict = KN_FOLD_POSITIVE};
-    kn_status status = kn_shell_jacobian_bounds(ctx, &s->sign.lo, &s->sign.hi, s->shell, lo[2], hi[2]);
-    for (int i = 0; i < s->cells[0] && status == KN_OK; i++)
+    bool positive;
+    kn_status status = bound_regions(ctx, c, s, index, &positive);
+    const double bounds[2] = {s->sign.lo, s->sign.hi};
+    for (int i = 0; i < s->cells[0] && status == KN_OK && !positive; i++)
         for (int j = 0; j < s->cells[1] && status == KN_OK; j++) {
             kn_fold_region box[CHECK_BOXES];
             int cell[2] = {i, j}, k = i * s->cells[1] + j;
@@ -226,6 +245,9 @@ static kn_status examine_regions(kn_ctx *ctx, const check *c, check_shell *s, in
                 join(&s->sign, &sign);
             }
         }
+    // What is certain of the sign is certain of the bounds.
+    s->sign.lo = s->sign.verdict == KN_FOLD_POSITIVE ? fmax(bounds[0], 0.0) : bounds[0];
+    s->sign.hi = s->sign.verdict == KN_FOLD_NEGATIVE ? fmin(bounds[1], 0.0) : bounds[1];
     return status;
 }
 

@@ -154,7 +154,8 @@ typedef struct cli_job {
     double unit_mm;
     int threads;
     bool json, quiet;
-    bool recipe_cells; // count or size came from a recipe: an option replaces them
+    bool has_normal, has_power; // asked for, and not the default
+    bool recipe_cells;          // count or size came from a recipe: an option replaces them
 } cli_job;
 
 cli_job cli_job_defaults(void);
@@ -164,6 +165,19 @@ bool cli_job_set(cli_job *job, int option, const char *value);
 int cli_job_begin(cli_session *session, cli_job *job);
 void cli_job_end(cli_session *session, cli_job *job);
 int cli_read_field(cli_session *session, cli_field *field, cli_field_kind kind); // exit code
+// The angle above which an edge inside a base is a crease: what a job takes (0: the default tolerance of normals).
+double cli_crease_angle(double normal_tol);
+// Options that exclude or need each other; NULL, or what is wrong.
+const char *cli_job_conflict(const cli_job *job);
+// "--thickness FILE: " where a message is about a field from a file, else "".
+typedef struct cli_field_text {
+    char text[512];
+} cli_field_text;
+cli_field_text cli_blamed_field(const cli_job *job, const char *message);
+// cli_fail_on for work on the job's base; the message names the file of a field that is to blame.
+int cli_fail_on_job(cli_session *session, kn_status status, const cli_job *job);
+// A field that is no file: false after a message when no texture can have it.
+bool cli_field_makes_sense(const char *name, cli_field_kind kind, const cli_field *field);
 // The heights from the base to the job's height on its side, lifted by the offset: lo <= hi.
 void cli_job_range(const cli_job *job, double range[2]);
 

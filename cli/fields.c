@@ -2,6 +2,8 @@
 // Fields over a base: a vector or a number for all of it, or a spline from a file.
 #include "cli/cli.h"
 
+#include <string.h>
+
 static int components_of(cli_field_kind kind)
 {
     return kind == CLI_FIELD_THICKNESS ? 1 : 3;
@@ -13,6 +15,37 @@ static const char *name_of(cli_field_kind kind)
                                                   [CLI_FIELD_THICKNESS] = "--thickness",
                                                   [CLI_FIELD_ATTRACTION] = "--attraction"};
     return names[kind];
+}
+
+bool cli_field_makes_sense(const char *name, cli_field_kind kind, const cli_field *field)
+{
+    const double *x = field->value;
+    if (kind == CLI_FIELD_THICKNESS) return cli_above_zero(name, x[0]);
+    if (kind != CLI_FIELD_DIRECTION || x[0] != 0 || x[1] != 0 || x[2] != 0) return true;
+    cli_error("%s: 0,0,0 is no direction", name);
+    return false;
+}
+
+cli_field_text cli_blamed_field(const cli_job *job, const char *message)
+{
+    cli_field_text out = {""};
+    for (int f = 0; f < CLI_FIELDS; f++) {
+        const char *name = name_of((cli_field_kind)f);
+        if (!job->field[f].path || !strstr(message, name + 2)) continue;
+        snprintf(out.text, sizeof out.text, "%s %.400s: ", name, job->field[f].path);
+        break;
+    }
+    return out;
+}
+
+int cli_fail_on_job(cli_session *session, kn_status status, const cli_job *job)
+{
+    char message[512];
+    snprintf(message, sizeof message, "%s", kn_ctx_message(cli_ctx(session)));
+    cli_field_text field = cli_blamed_field(job, message);
+    if (!*field.text || (status != KN_EDOMAIN && status != KN_ELIMIT && status != KN_EUNDEFINED))
+        return cli_fail_on(session, status, job->base, false);
+    return cli_fail_at(session, status, "%s%s: %s", field.text, job->base, message);
 }
 
 // Of degree 1, as everything that is differentiated later likes it.

@@ -5,18 +5,13 @@
 #include <jansson.h>
 #include <math.h>
 
-static const double crease_angle = 1e-3; // radians: below that a joint is smooth but for rounding
-static const double rough_normal = 0.1;  // its tolerance: only whether there is one matters here
+static const double kink_angle = 1e-3;  // radians: creases below that are not seen, and still parts of a job
+static const double rough_normal = 0.1; // its tolerance: only whether there is one matters here
 
 static const char *const variables[] = {"u", "v"};
 static const char *const edge_names[2][2] = {{"u0", "u1"}, {"v0", "v1"}};
 
 // ---- creases ----
-
-static double dot(const double a[3], const double b[3])
-{
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
 
 static void cross(double out[3], const double a[3], const double b[3])
 {
@@ -49,8 +44,9 @@ static kn_status angle_between(kn_ctx *ctx, double *most, const kn_spline *befor
         if (status == KN_OK) status = normal_at(ctx, b, after, uv);
         if (status != KN_OK) return status;
         cross(n, a, b);
-        double angle = atan2(sqrt(dot(n, n)), dot(a, b));
-        if (dot(a, a) > 0 && dot(b, b) > 0) *most = fmax(*most, angle);
+        double size[2] = {hypot(hypot(a[0], a[1]), a[2]), hypot(hypot(b[0], b[1]), b[2])};
+        double angle = atan2(hypot(hypot(n[0], n[1]), n[2]), a[0] * b[0] + a[1] * b[1] + a[2] * b[2]);
+        if (size[0] > 0 && size[1] > 0) *most = fmax(*most, angle);
     }
     return KN_OK;
 }
@@ -108,7 +104,7 @@ static kn_status look_at_surface(kn_ctx *ctx, json_t *notes, const kn_spline *s,
 {
     kn_spline *pieces = NULL;
     int counts[2] = {0, 0};
-    kn_status status = kn_shell_split_creases(ctx, &pieces, counts, s, crease_angle);
+    kn_status status = kn_shell_split_creases(ctx, &pieces, counts, s, cli_crease_angle(0));
     if (status == KN_ENOMEM || status == KN_ECANCELLED) return status;
     if (status != KN_OK) kn_ctx_clear_error(ctx); // it is no base, and has no creases that matter
     status = add_creases(ctx, json_object_get(notes, "creases"), pieces, counts, surface);
@@ -162,7 +158,8 @@ void cli_print_edges(const json_t *notes)
         for (size_t i = 0; i < n && i < MOST; i++) {
             const json_t *note = json_array_get(list, i);
             int surface = (int)json_integer_value(json_object_get(note, "surface"));
-            printf("%-7s ", names[k]);
+            bool kink = k == 0 && json_number_value(json_object_get(note, "angle_rad")) < kink_angle;
+            printf("%-7s ", kink ? "kink" : names[k]);
             if (k == 0)
                 printf("surface %d: %s = %g, up to %.3g degrees\n", surface, text_of(note, "variable"),
                        json_number_value(json_object_get(note, "knot")),

@@ -59,7 +59,7 @@ static bool set_height(cli_job *job, const char *text)
 {
     if (!cli_length_of("--height", text, &job->height)) return false;
     if (job->height.value != 0) return true;
-    cli_error("--height: a texture of height 0 is flat; leave it out for the tile's own proportions");
+    cli_error("--height: a texture of height 0 is flat; with a tile leave it out for the tile's own proportions");
     return false;
 }
 
@@ -83,7 +83,7 @@ bool cli_job_set(cli_job *job, int option, const char *value)
     case CLI_OFFSET: return cli_length_of("--offset", value, &job->offset);
     case CLI_SIDE: return cli_set_side("--side", value, o);
     case CLI_ROTATE: return cli_double("--rotate", value, &number) && cli_set_rotation("--rotate", number, o);
-    case CLI_NORMAL: return cli_set_normal("--normal", value, o);
+    case CLI_NORMAL: return job->has_normal = cli_set_normal("--normal", value, o);
     case CLI_NORMAL_TOL:
         return cli_double("--normal-tol", value, &o->normal_tol) && cli_above_zero("--normal-tol", o->normal_tol);
     case CLI_DIRECTION:
@@ -92,13 +92,29 @@ bool cli_job_set(cli_job *job, int option, const char *value)
         return cli_set_field("--thickness", value, CLI_FIELD_THICKNESS, &job->field[CLI_FIELD_THICKNESS]);
     case CLI_ATTRACTION:
         return cli_set_field("--attraction", value, CLI_FIELD_ATTRACTION, &job->field[CLI_FIELD_ATTRACTION]);
-    case CLI_ATTRACTION_POWER: return cli_int("--attraction-power", value, 1, KN_MAX_DEGREE, &o->attraction_power);
+    case CLI_ATTRACTION_POWER:
+        return job->has_power = cli_int("--attraction-power", value, 1, KN_MAX_DEGREE, &o->attraction_power);
     case CLI_UNIT: return cli_set_unit("--unit", value, &job->unit_mm);
     case CLI_THREADS: return cli_int("--threads", value, 1, 1024, &job->threads);
     case CLI_JSON: return job->json = true;
     case CLI_QUIET: return job->quiet = true;
     default: return false;
     }
+}
+
+const char *cli_job_conflict(const cli_job *job)
+{
+    bool direction = job->field[CLI_FIELD_DIRECTION].given, attraction = job->field[CLI_FIELD_ATTRACTION].given;
+    return job->options.count[0] && job->has_size ? "--count and --size exclude each other"
+           : direction && job->has_normal         ? "--normal and --direction exclude each other"
+           : job->has_power && !attraction        ? "--attraction-power needs --attraction"
+                                                  : NULL;
+}
+
+double cli_crease_angle(double normal_tol)
+{
+    if (normal_tol == 0) normal_tol = kn_shell_defaults().normal_tol;
+    return fmax(0.1 * normal_tol, 1e-11);
 }
 
 static double in_base_units(const cli_job *job, cli_length length)

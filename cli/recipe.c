@@ -129,12 +129,14 @@ static bool get_field(const recipe *r, const char *key, const json_t *value, cli
     if (text && (cli_has_ending(text, "g2") || cli_has_ending(text, "bpt")))
         return get_text(r, key, value, true, &field->path);
     field->path = NULL;
-    if (scalar && !json_is_array(value)) return get_number(r, key, value, &field->value[0]);
+    if (scalar && !json_is_array(value))
+        return get_number(r, key, value, &field->value[0]) &&
+               cli_field_makes_sense(in_recipe(r, key).text, kind, field);
     if (scalar || !json_is_array(value) || json_array_size(value) != 3)
         return bad(r, key, scalar ? "a number or a .g2 file" : "[x, y, z] or a .g2 file");
     for (size_t c = 0; c < 3; c++)
         if (!get_number(r, key, json_array_get(value, c), &field->value[c])) return false;
-    return true;
+    return cli_field_makes_sense(in_recipe(r, key).text, kind, field);
 }
 
 static bool get_flag(const recipe *r, const char *key, const json_t *value, bool *out)
@@ -147,6 +149,7 @@ static bool get_power(const recipe *r, const char *key, const json_t *value)
 {
     json_int_t power = json_integer_value(value); // 0 when it is none
     r->apply->job.options.attraction_power = power > 0 && power <= KN_MAX_DEGREE ? (int)power : 0;
+    r->apply->job.has_power = true;
     return r->apply->job.options.attraction_power > 0 || bad(r, key, "a whole number above 0");
 }
 
@@ -230,8 +233,8 @@ static bool top_key(const recipe *r, const char *key, json_t *value)
     if (strcmp(key, "layers") == 0) return get_layers(r, value);
     if (strcmp(key, "outputs") == 0) return get_outputs(r, value);
     if (strcmp(key, "normal") == 0)
-        return cli_set_normal(in_recipe(r, key).text, json_is_string(value) ? json_string_value(value) : "",
-                              &a->job.options);
+        return a->job.has_normal = cli_set_normal(
+                   in_recipe(r, key).text, json_is_string(value) ? json_string_value(value) : "", &a->job.options);
     if (strcmp(key, "normal_tol") == 0) return get_above_zero(r, key, value, &a->job.options.normal_tol);
     if (strcmp(key, "tol") == 0) return get_length(r, key, value, &a->job.mesh_tol, true);
     if (strcmp(key, "cells_tol") == 0) return get_length(r, key, value, &a->job.cells_tol, true);

@@ -66,6 +66,18 @@ static json_t *file_bytes(const cli_apply *a, const double *bytes)
     return object;
 }
 
+// A direction that is given is exact, and no unit normal: there is nothing to certify.
+static json_t *normal_json(const kn_job_options *o, const kn_job_report *r)
+{
+    if (o->direction)
+        return json_pack("{s:s,s:n,s:n,s:n,s:n}", "method", "direction", "tolerance", "length_error",
+                         "angle_error_rad", "certified");
+    return json_pack("{s:s,s:o,s:o,s:o,s:b}", "method", o->normal == KN_NORMAL_FITTED ? "fitted" : "exact-direction",
+                     "tolerance", cli_json_number(r->normal_tol), "length_error",
+                     cli_json_upper(r->normal.length_error), "angle_error_rad", cli_json_upper(r->normal.angle_error),
+                     "certified", r->normal.certified);
+}
+
 static void print_json(const cli_apply *a, const kn_job_report *r, const double *bytes, const cli_timing *t,
                        size_t peak_bytes)
 {
@@ -84,12 +96,7 @@ static void print_json(const cli_apply *a, const kn_job_report *r, const double 
     json_object_set_new(o, "control_points", json_integer((json_int_t)r->control_points));
     json_object_set_new(o, "cell_size", cli_json_number(r->cell_size));
     json_object_set_new(o, "height", cli_json_number(r->height));
-    json_object_set_new(o, "normal",
-                        json_pack("{s:s,s:o,s:o,s:o,s:b}", "method",
-                                  a->job.options.normal == KN_NORMAL_FITTED ? "fitted" : "exact-direction",
-                                  "tolerance", cli_json_number(r->normal_tol), "length_error",
-                                  cli_json_upper(r->normal.length_error), "angle_error_rad",
-                                  cli_json_upper(r->normal.angle_error), "certified", r->normal.certified));
+    json_object_set_new(o, "normal", normal_json(&a->job.options, r));
     json_object_set_new(o, "fit",
                         json_pack("{s:i,s:o,s:o}", "max_degree", r->max_degree, "tolerance",
                                   cli_json_number(4 * r->normal_tol * fabs(r->height)), "certified_error",
@@ -124,9 +131,12 @@ static void print_text(const cli_apply *a, const kn_job_report *r, const double 
         printf("cells follow free corners within %.1e (certified)\n", cli_outward(r->cells_error, 1, 2));
     printf("%zu patches of degree up to (%d,%d), %zu control points, %zu triangles\n", r->patches, r->degree[0],
            r->degree[1], r->control_points, r->triangles);
-    printf("unit normal within %.1e in length and %.1e rad%s\n",
-           cli_outward(r->normal.length_error, 1, CLI_TEXT_DIGITS),
-           cli_outward(r->normal.angle_error, 1, CLI_TEXT_DIGITS), r->normal.certified ? " (certified)" : "");
+    if (a->job.options.direction)
+        printf("along the given direction\n");
+    else
+        printf("unit normal within %.1e in length and %.1e rad%s\n",
+               cli_outward(r->normal.length_error, 1, CLI_TEXT_DIGITS),
+               cli_outward(r->normal.angle_error, 1, CLI_TEXT_DIGITS), r->normal.certified ? " (certified)" : "");
     if (r->exact_patches == r->patches)
         printf("every patch is the exact composition\n");
     else

@@ -132,7 +132,7 @@ bool cli_set_field(const char *name, const char *text, cli_field_kind kind, cli_
     if (field->path) return true;
     int n = kind == CLI_FIELD_THICKNESS ? 1 : 3;
     int got = cli_list(name, text, field->value, n);
-    if (got == n) return true;
+    if (got == n) return cli_field_makes_sense(name, kind, field);
     if (got > 0) cli_error("%s: expected X,Y,Z or a .g2 file, got '%s'", name, text);
     return false;
 }
