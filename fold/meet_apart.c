@@ -236,7 +236,7 @@ static kn_status try_plane(kn_meet *m, bool *apart, const part side[2], const do
     }
     for (int k = 0; k < 3; k++) v[k] = d[0][k] - d[1][k];
     double length = sqrt(dot(v, v));
-    if (!(length > 0.1)) return KN_OK;
+    if (!(length > 1e-3)) return KN_OK;
     for (int i = 0; i < 2; i++) {
         for (int k = 0; k < 3; k++) v[k] = (i ? -1.0 : 1.0) * fabs(1.0 / length) * (d[0][k] - d[1][k]);
         l[i] = (lean){.slope = INFINITY, .least = INFINITY};

@@ -11,9 +11,9 @@
 // X is the distance from the pole, Y = X y, y across. With T - T_0(w) = X Q, in which the division is exact,
 // T_Y = Q_y and T_X = (X Q)_X - y Q_y.
 //
-// At an apex T_u = 0 where v = 0 and w = 0, v the distance from it. With both in parts of the box and z = v + w the
-// domain |Y| <= z, Y = z y, is convex, too. T_Y = T_y / z is a mean of values of T_yv and T_yw, as T_y is v times one
-// of the first and w times one of the second; T_v and T_w become T_v - y T_Y and T_w - y T_Y.
+// At an apex T_u = 0 where v = 0 and w = 0, v the distance from it. With both in parts of the box and z = v + k w the
+// domain |Y| <= z, Y = z y, is convex, too. T_Y = T_y / z is a mean of values of T_yv and T_yw / k, as T_y is v times
+// one of T_yv and w times one of T_yw; T_v and T_w become T_v - y T_Y and T_w - k y T_Y.
 #include "fold/meet_slopes.h"
 
 static bool invert(double out[3][3], double in[3][3])
@@ -161,6 +161,40 @@ static kn_status looks_bent(kn_meet *m, bool *bent, const kn_meet_part *p)
     return KN_OK;
 }
 
+// How much longer T_u is above an apex than beside it, at the ends of the box.
+static kn_status set_lift(kn_meet *m, kn_meet_part *p)
+{
+    double at[2][3], point[3], slope[9], length[2] = {0.0};
+    p->lift = 1.0;
+    if (p->tip < 0) return KN_OK;
+    int x = p->tip, u = 1 - x;
+    double tip = p->tip_end ? p->hi[x] : p->lo[x], away = p->tip_end ? p->lo[x] : p->hi[x];
+    for (int i = 0; i < 2; i++) {
+        at[i][u] = 0.5 * p->lo[u] + 0.5 * p->hi[u];
+        at[i][x] = i ? tip : away;
+        at[i][2] = i && p->lo[2] == 0.0 ? p->hi[2] : i ? p->lo[2] : 0.0;
+        kn_status status = kn_meet_point(m, point, slope, p->chart, at[i]);
+        if (status != KN_OK) return status;
+        for (int k = 0; k < 3; k++) length[i] += slope[3 * u + k] * slope[3 * u + k];
+    }
+    double lift = sqrt(length[1] / length[0]);
+    if (lift > 1e-6 && lift < 1e6) p->lift = lift;
+    return KN_OK;
+}
+
+// Boxes near an apex are made to reach it: what T_u shrinks by on the way does not count there.
+static void reach_apex(const kn_meet_chart *c, int var, double *lo, double *hi, double *w0, double *w1)
+{
+    double height = *w0 >= 0.0 ? *w0 : *w1 <= 0.0 ? -*w1 : INFINITY;
+    for (int e = 0; e < 2; e++) {
+        double at;
+        edge_of(&at, c, var, e);
+        if (!c->apex[var][e] || (e ? at - *hi : *lo - at) > 4.0 * (*hi - *lo) || height > 4.0 * (*w1 - *w0)) continue;
+        *(e ? hi : lo) = at;
+        *(*w0 >= 0.0 ? w0 : w1) = 0.0;
+    }
+}
+
 static kn_status within(kn_meet *m, bool *injective, const kn_meet_node *a, const kn_meet_node *b)
 {
     kn_meet_part p = {.chart = a->chart, .column = {0, 1, 2}};
@@ -170,8 +204,9 @@ static kn_status within(kn_meet *m, bool *injective, const kn_meet_node *a, cons
         if (fmax(a->lo[d], b->lo[d]) - fmin(a->hi[d], b->hi[d]) > 0.3 * fmin(la, lb)) return KN_OK;
         p.lo[d] = fmin(a->lo[d], b->lo[d]);
         p.hi[d] = fmax(a->hi[d], b->hi[d]);
-        p.scale[d] = p.hi[d] - p.lo[d];
     }
+    for (int d = 0; d < 2; d++) reach_apex(&m->charts[p.chart], d, &p.lo[d], &p.hi[d], &p.lo[2], &p.hi[2]);
+    for (int d = 0; d < 3; d++) p.scale[d] = p.hi[d] - p.lo[d];
     open_fan(m, &p, -1.0, 1.0, 0.5);
     bool plain = p.pole < 0 && p.tip < 0;
     p.free[0] = p.free[1] = plain;
@@ -182,7 +217,8 @@ static kn_status within(kn_meet *m, bool *injective, const kn_meet_node *a, cons
         kn_meet_overlap(&m->charts[p.chart], d, p.lo[d], p.hi[d], &first, &last);
         spans[d] = last - first + 1;
     }
-    kn_status status = plain && spans[0] * spans[1] > 2 ? looks_bent(m, &bent, &p) : KN_OK;
+    kn_status status = set_lift(m, &p);
+    if (status == KN_OK && plain && spans[0] * spans[1] > 2) status = looks_bent(m, &bent, &p);
     if (status == KN_OK && !bent)
         status = kn_meet_add_part(&h, &p);
     else
@@ -217,6 +253,7 @@ static kn_status across(kn_meet *m, bool *injective, const kn_meet_node *a, cons
     // outwards by more than the rounding of the map between the two
     lo = fmax(t0, fmin(lo, a->lo[ta]) - 0x1p-49 * la), hi = fmin(t0 + la, fmax(hi, a->hi[ta]) + 0x1p-49 * la);
     w0 = fmin(w0, a->lo[2]), w1 = fmax(w1, a->hi[2]);
+    reach_apex(ca, ta, &lo, &hi, &w0, &w1);
     double heights[2] = {g->flip > 0.0 ? w0 : -w1, g->flip > 0.0 ? w1 : -w0};
     if (w0 < ca->breaks[2][0] || w1 > ca->breaks[2][ca->nbreaks[2] - 1] || heights[0] < cb->breaks[2][0] ||
         heights[1] > cb->breaks[2][cb->nbreaks[2] - 1])
@@ -248,7 +285,9 @@ static kn_status across(kn_meet *m, bool *injective, const kn_meet_node *a, cons
     if ((p.pole >= 0) != (q.pole >= 0) || (p.pole >= 0 && (p.pole != ta || q.pole != tb))) return KN_OK;
     if ((p.tip >= 0) != (q.tip >= 0) || (p.tip >= 0 && (p.tip != ta || q.tip != tb))) return KN_OK;
     p.free[xa] = q.free[xb] = p.pole < 0 && p.tip < 0;
-    kn_status status = kn_meet_add_part(&h, &p);
+    kn_status status = set_lift(m, &p);
+    q.lift = p.lift;
+    if (status == KN_OK) status = kn_meet_add_part(&h, &p);
     if (status == KN_OK && h.fits) status = kn_meet_add_part(&h, &q);
     if (status == KN_OK && h.fits) *injective = holds(&h);
     return status;

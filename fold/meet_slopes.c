@@ -197,8 +197,8 @@ static double spread(const share *s, int x, int y, bool base_alone, bool upper)
     return left;
 }
 
-// Near an edge that is one point T_y = v q + w q' with q and q' means of T_yv and T_yw, all in parts of the box; at a
-// pole q' = 0. T less what it varies by along that edge is meant: that counts as a jump.
+// Near an edge that is one point T_y = v q + lift w q' with q and lift q' means of T_yv and T_yw, all in parts of the
+// box; at a pole q' = 0. T less what it varies by along that edge is meant: that counts as a jump.
 static kn_status tip_columns(kn_meet_hull *h, const share *s)
 {
     const kn_meet_part *p = s->p;
@@ -207,14 +207,14 @@ static kn_status tip_columns(kn_meet_hull *h, const share *s)
     bool pole = c->pole[x][p->tip_end], upper = p->lo[2] < 0.0;
     double scale = s->scale[y] / (s->hi[y] - s->lo[y]), most[3] = {0.0};
     double away = fabs(s->scale[x]) / (s->hi[x] - s->lo[x]) * (p->tip_end ? -1.0 : 1.0),
-           up = fabs(s->scale[2]) / (s->hi[2] - s->lo[2]) * (upper ? -1.0 : 1.0);
+           up = fabs(s->scale[2]) / (s->hi[2] - s->lo[2]) * (upper ? -1.0 : 1.0) / p->lift;
     h->jump += 4.0 * spread(s, x, y, !pole, upper);
     kn_status status = mixed_column(h, s, y, x, scale * away, most);
     if (status == KN_OK && !pole) status = mixed_column(h, s, y, 2, scale * up, most);
     for (int d = 0; d < 3 && status == KN_OK && h->fits; d++) {
         if (d == y) continue;
         status = plain_column(h, s, d);
-        double turn = p->fan ? fmax(fabs(p->across[0]), fabs(p->across[1])) : 0.0;
+        double turn = p->fan ? fmax(fabs(p->across[0]), fabs(p->across[1])) * (d == 2 ? p->lift : 1.0) : 0.0;
         for (int k = 0; k < 3 && status == KN_OK && h->fits; k++) h->list->error[k] += 1.01 * turn * most[k];
     }
     return status;

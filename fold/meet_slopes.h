@@ -31,6 +31,7 @@ typedef struct kn_meet_part {
     // other one, is then given divided by the distance. fan: in variables that spread from the tip.
     int tip, tip_end;
     bool fan;
+    double lift; // the distance from an apex is v + lift w
     // H may count a variable at another rate on each knot interval, so that |T_d| is about 1 on all of them: where it
     // is free to, rate[d] for the intervals from first[d] on, 0: not known yet.
     bool free[2];

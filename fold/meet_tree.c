@@ -70,8 +70,9 @@ static void corner_slope(double out[3], const double *x, const kn_net *net, int 
 }
 
 // How much the partials change along variable d, each relative to itself: what keeps T from being certified. Where
-// one vanishes, at a pole, the change counts 1: it is not one that cutting ends.
-static double bend(const double *x, const kn_net *net, int d)
+// one vanishes, at a pole, the change counts 1: it is not one that cutting ends. Of the partial in `turning` the
+// direction alone counts: near an apex its length is divided out.
+static double bend(const double *x, const kn_net *net, int d, int turning)
 {
     double sum = 0.0;
     for (int c = 0; c < 3; c++) {
@@ -86,7 +87,10 @@ static double bend(const double *x, const kn_net *net, int d)
             int j = i ^ 1 << d;
             double low = fmin(size[i], size[j]), diff = 0.0;
             if (fmax(size[i], size[j]) <= 1e-6 * most) continue;
-            for (int k = 0; k < 3; k++) diff += (slope[i][k] - slope[j][k]) * (slope[i][k] - slope[j][k]);
+            bool turns = c == turning && low > 1e-6 * most;
+            double a = turns ? low / size[i] : 1.0, b = turns ? low / size[j] : 1.0;
+            for (int k = 0; k < 3; k++) diff += pow(a * slope[i][k] - b * slope[j][k], 2.0);
+            if (c == turning && low <= 1e-6 * most) continue;
             change = fmax(change, low <= 1e-6 * most ? 1.0 : sqrt(diff) / low);
         }
         sum += change;
@@ -131,12 +135,14 @@ static kn_status project(kn_meet *m, kn_meet_cloud *all, const kn_meet_patch *p)
     return KN_OK;
 }
 
-static void take_longest(double *out, double *bends, const kn_meet_patch *p, const kn_meet_node *node)
+static void take_longest(double *out, double *bends, const kn_meet_patch *p, const kn_meet_node *node,
+                         const kn_meet_chart *c)
 {
+    int turning = c->apex[0][0] || c->apex[0][1] ? 1 : c->apex[1][0] || c->apex[1][1] ? 0 : -1;
     for (int d = 0; d < 3; d++) {
         double n = node->last[d] - node->first[d] + 1;
         out[d] = fmax(out[d], n * measure(p->coef, &p->net, d));
-        bends[d] = fmax(bends[d], n * bend(p->coef, &p->net, d));
+        bends[d] = fmax(bends[d], n * bend(p->coef, &p->net, d, turning));
     }
 }
 
@@ -152,7 +158,7 @@ static kn_status gather(kn_meet *m, kn_meet_cloud *all, kn_meet_node *node)
                 kn_mark mark = kn_scratch_mark(m->ctx);
                 kn_status status = kn_meet_restrict(m, &p, from, to, node->chart, at, node->lo, node->hi);
                 if (status == KN_OK) status = project(m, all, &p);
-                if (status == KN_OK) take_longest(node->length, bends, &p, node);
+                if (status == KN_OK) take_longest(node->length, bends, &p, node, &m->charts[node->chart]);
                 kn_scratch_release(m->ctx, mark);
                 if (status != KN_OK) return status;
             }

@@ -104,7 +104,7 @@ static bool is_at(const kn_meet_chart *c, const kn_meet_node *n, int var, int en
 
 static kn_meet_part part_of(const kn_meet_chart *c, const kn_meet_node *n, int var, int end, int first)
 {
-    kn_meet_part p = {.chart = n->chart, .pole = -1, .tip = -1};
+    kn_meet_part p = {.chart = n->chart, .pole = -1, .tip = -1, .lift = 1.0};
     for (int e = 0; e < 2; e++)
         if ((c->pole[1 - var][e] || c->apex[1 - var][e]) && is_at(c, n, 1 - var, e)) p.tip = 1 - var, p.tip_end = e;
     for (int d = 0; d < 3; d++) p.lo[d] = n->lo[d], p.hi[d] = n->hi[d], p.scale[d] = n->hi[d] - n->lo[d];

@@ -250,25 +250,60 @@ static kn_status start(search *s, int a, int b)
     s->distance = sqrt(length);
     s->keep = close && s->distance > 0.0;
     for (int d = 0; d < 3 && s->keep; d++) s->along[d] /= s->distance, s->unit[1][d] = s->unit[0][d];
-    return look(s);
+    return KN_OK;
+}
+
+// Newton's method; *now: the gap that it leaves.
+static kn_status approach(search *s, double *now)
+{
+    kn_status status = look(s);
+    double before = INFINITY, goal = 1e-14 * s->m->whole;
+    *now = gap(s);
+    for (int step = 0; step < STEPS && status == KN_OK && *now > goal; step++) {
+        if (step > 8 && !(*now < 0.9 * before)) break;
+        before = *now;
+        if (!advance(s)) break;
+        status = look(s);
+        *now = gap(s);
+    }
+    return status;
+}
+
+// Where the shells meet at an angle the shortest steps may end on the common edge, where the two places are one. From
+// there to half of the heights, and as far away from the edge: false where there is no such edge.
+static bool leave_edge(search *s)
+{
+    for (size_t i = 0; i < 2 * s->m->nglues; i++) {
+        const kn_meet_glue *g = &s->m->glues[i / 2];
+        int first = (int)(i % 2);
+        if (g->jump < INFINITY || g->chart[first] != s->chart[0] || g->chart[1 - first] != s->chart[1]) continue;
+        for (int k = 0; k < 2; k++) {
+            int e = k ? 1 - first : first, var = g->var[e];
+            double lo = s->lo[k][2], hi = s->hi[k][2], w = 0.5 * (fabs(lo) > fabs(hi) ? lo : hi);
+            double at = at_end(&s->m->charts[s->chart[k]], var, g->end[e]), away = fabs(w);
+            away *= s->unit[k][2] / s->unit[k][var];
+            s->x[k][2] = w;
+            s->x[k][var] = fmin(fmax(g->end[e] ? at - away : at + away, s->lo[k][var]), s->hi[k][var]);
+        }
+        return true;
+    }
+    return false;
 }
 
 kn_status kn_meet_witness(kn_meet *m, kn_fold_intersection *out, bool *found, int a, int b)
 {
     search s = {.m = m};
-    double way = 0.0;
+    double way = 0.0, now;
     *found = false;
     kn_status status = start(&s, a, b);
-    double before = INFINITY, now = gap(&s);
-    for (int step = 0; step < STEPS && status == KN_OK && now > 1e-14 * m->whole; step++) {
-        if (step > 8 && !(now < 0.9 * before)) break;
-        before = now;
-        if (!advance(&s)) break;
-        status = look(&s);
-        now = gap(&s);
-    }
+    if (status == KN_OK) status = approach(&s, &now);
     if (status != KN_OK || !(now <= 1e-11 * m->whole)) return status;
     status = find_way(&way, &s);
+    if (status == KN_OK && !(way > 10.0 * m->resolution) && leave_edge(&s)) {
+        status = approach(&s, &now);
+        if (status != KN_OK || !(now <= 1e-11 * m->whole)) return status;
+        status = find_way(&way, &s);
+    }
     if (status != KN_OK || !(way > 10.0 * m->resolution)) return status;
     *found = true;
     out->verdict = KN_FOLD_FOUND;

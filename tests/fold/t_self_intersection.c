@@ -222,6 +222,95 @@ static void round_bodies(void **state)
     test_ctx_end(ctx, &memory);
 }
 
+// The answer for all pieces of a base that is cut at its creases.
+static kn_fold_global ask_pieces(kn_ctx *ctx, const kn_spline *s, int n, double w0, double w1)
+{
+    return ask_regions(ctx, s, n, NULL, 0, w0, w1, 100000).verdict;
+}
+
+static void patch(kn_ctx *ctx, kn_spline *out, const double *o, const double *a, const double *b)
+{
+    static const double k[4] = {0, 0, 1, 1};
+    const double *knots[2] = {k, k};
+    double coef[12];
+    for (int c = 0; c < 3; c++)
+        for (int i = 0; i < 4; i++) coef[4 * c + i] = o[c] + (i / 2) * a[c] + (i % 2) * b[c];
+    assert_int_equal(kn_spline_init(ctx, out, 2, 3, false, (const int[2]){1, 1}, (const int[2]){2, 2}, knots, coef),
+                     KN_OK);
+}
+
+// Above a ridge shells part and have the edge alone in common; below they overlap, next to it already.
+static void ridges(void **state)
+{
+    (void)state;
+    test_memory memory = TEST_MEMORY_INIT;
+    kn_ctx *ctx = test_ctx(&memory, 1);
+    static const double ku[5] = {0, 0, 1, 2, 2}, kv[4] = {0, 0, 1, 1}, *roof_knots[2] = {kv, ku};
+    static const double roof_coef[18] = {-1, 0, 1, -1, 0, 1, 0, 0, 0, 2, 2, 2, 0, 1, 0, 0, 1, 0};
+    kn_spline roof, *pieces, box[6];
+    int counts[2];
+    assert_int_equal(
+        kn_spline_init(ctx, &roof, 2, 3, false, (const int[2]){1, 1}, (const int[2]){2, 3}, roof_knots, roof_coef),
+        KN_OK);
+    assert_int_equal(kn_shell_split_creases(ctx, &pieces, counts, &roof, 0.01), KN_OK);
+    assert_int_equal(counts[0] * counts[1], 2);
+    double n[3];
+    kn_shell *shell;
+    assert_int_equal(kn_shell_create(ctx, &shell, &pieces[0], NULL), KN_OK);
+    assert_int_equal(kn_shell_unit_normal(ctx, n, shell, 0.5, 0.5), KN_OK);
+    kn_shell_destroy(ctx, shell);
+    double up = n[2] > 0.0 ? 1.0 : -1.0; // of the heights, so that they lie above the roof
+    for (int i = 0; i < 3; i++) {
+        double h = up * (i == 0 ? 0.01 : i == 1 ? 0.1 : 5.0);
+        assert_int_equal(ask_pieces(ctx, pieces, 2, fmin(h, 0.0), fmax(h, 0.0)), KN_FOLD_NONE);
+    }
+    assert_int_equal(ask_pieces(ctx, pieces, 2, fmin(-0.1 * up, 0.0), fmax(-0.1 * up, 0.0)), KN_FOLD_FOUND);
+    for (int i = 0; i < 2; i++) kn_spline_clear(ctx, &pieces[i]);
+    kn_free(ctx, pieces);
+    kn_spline_clear(ctx, &roof);
+
+    // six faces, normals outwards: three shells meet in each corner
+    const double o[3] = {0, 0, 0}, x[3] = {2, 0, 0}, y[3] = {0, 3, 0}, z[3] = {0, 0, 1};
+    const double *side[6][3] = {{o, y, x}, {z, x, y}, {o, x, z}, {y, z, x}, {o, z, y}, {x, y, z}};
+    for (int i = 0; i < 6; i++) patch(ctx, &box[i], side[i][0], side[i][1], side[i][2]);
+    assert_int_equal(kn_shell_create(ctx, &shell, &box[0], NULL), KN_OK);
+    assert_int_equal(kn_shell_unit_normal(ctx, n, shell, 0.5, 0.5), KN_OK);
+    kn_shell_destroy(ctx, shell);
+    up = n[2] < 0.0 ? 1.0 : -1.0; // the first face is the bottom
+    assert_int_equal(ask_pieces(ctx, box, 6, fmin(0.3 * up, 0.0), fmax(0.3 * up, 0.0)), KN_FOLD_NONE);
+    assert_int_equal(ask_pieces(ctx, box, 6, fmin(-0.3 * up, 0.0), fmax(-0.3 * up, 0.0)), KN_FOLD_FOUND);
+    for (int i = 0; i < 6; i++) kn_spline_clear(ctx, &box[i]);
+    test_ctx_end(ctx, &memory);
+}
+
+// A cone's apex is one place of the base; above it the shell opens, and below it runs into itself at once.
+static void apices(void **state)
+{
+    (void)state;
+    test_memory memory = TEST_MEMORY_INIT;
+    kn_ctx *ctx = test_ctx(&memory, 1);
+    const double base[3] = {0, 0, 0};
+    for (int i = 0; i < 3; i++) {
+        const double axis[3] = {0, 0, i == 0 ? 2.0 : i == 1 ? 0.5 : 4.0};
+        kn_spline s;
+        kn_shell *shell;
+        double n[3];
+        assert_int_equal(kn_construct_cone(ctx, &s, base, axis, 1.0, 0.0), KN_OK);
+        assert_int_equal(kn_shell_create(ctx, &shell, &s, NULL), KN_OK);
+        double lo[2], hi[2];
+        for (int d = 0; d < 2; d++) kn_spline_domain(&s, d, &lo[d], &hi[d]);
+        assert_int_equal(kn_shell_unit_normal(ctx, n, shell, lo[0], 0.5 * lo[1] + 0.5 * hi[1]), KN_OK);
+        kn_shell_destroy(ctx, shell);
+        double up = n[2] > 0.0 ? 1.0 : -1.0;
+        static const double height[3] = {0.02, 0.2, 3.0};
+        for (int k = 0; k < 3; k++)
+            assert_int_equal(ask(ctx, &s, fmin(up * height[k], 0.0), fmax(up * height[k], 0.0)), KN_FOLD_NONE);
+        assert_int_equal(ask(ctx, &s, fmin(-0.01 * up, 0.0), fmax(-0.01 * up, 0.0)), KN_FOLD_FOUND);
+        kn_spline_clear(ctx, &s);
+    }
+    test_ctx_end(ctx, &memory);
+}
+
 // A strip of half width b around a circle of radius 2 that makes half a turn: interpolated over three turns, of which
 // the middle one is taken, so that the ends of the data are not felt at its own.
 static void moebius(kn_ctx *ctx, kn_spline *out, double b)
@@ -548,9 +637,17 @@ static void allocation_failures(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(bent_sheets),         cmocka_unit_test(closed_forms),  cmocka_unit_test(round_bodies),
-        cmocka_unit_test(one_sided_strip),     cmocka_unit_test(teapot),        cmocka_unit_test(regions_count),
-        cmocka_unit_test(random_sheets),       cmocka_unit_test(bad_arguments), cmocka_unit_test(gives_up_and_stops),
+        cmocka_unit_test(bent_sheets),
+        cmocka_unit_test(closed_forms),
+        cmocka_unit_test(round_bodies),
+        cmocka_unit_test(one_sided_strip),
+        cmocka_unit_test(ridges),
+        cmocka_unit_test(apices),
+        cmocka_unit_test(teapot),
+        cmocka_unit_test(regions_count),
+        cmocka_unit_test(random_sheets),
+        cmocka_unit_test(bad_arguments),
+        cmocka_unit_test(gives_up_and_stops),
         cmocka_unit_test(allocation_failures),
     };
     return cmocka_run_group_tests_name("fold/self_intersection", tests, NULL, NULL);
