@@ -98,10 +98,10 @@ kn_status kn_fail_normal(kn_ctx *ctx, const kn_shell *shell, const double at[2],
     if (status != KN_OK) return status;
     if (singular)
         return kn_fail(ctx, KN_EUNDEFINED,
-                       "shell: the surface has no normal at (%.6g, %.6g), at the point (%.6g, %.6g, %.6g)", at[0],
-                       at[1], p[0], p[1], p[2]);
+                       "shell: the surface has no normal at (%.6g, %.6g), at the point (%.6g, %.6g, %.6g)%s", at[0],
+                       at[1], p[0], p[1], p[2], kn_thin_edge(shell));
     return kn_fail(ctx, KN_EUNDECIDED,
                    "shell: could not decide whether the surface has a normal everywhere near (%.6g, %.6g), the point "
-                   "(%.6g, %.6g, %.6g)",
-                   at[0], at[1], p[0], p[1], p[2]);
+                   "(%.6g, %.6g, %.6g)%s",
+                   at[0], at[1], p[0], p[1], p[2], kn_thin_edge(shell));
 }

@@ -83,6 +83,12 @@ double kn_gamma(double k);
 enum { KN_LEAST_DEGREE = 3 }; // of n in one variable, or of m where n = N m
 // Records that S has no normal at a place (singular), or that it could not be decided whether it has one near it.
 kn_status kn_fail_normal(kn_ctx *ctx, const kn_shell *shell, const double at[2], bool singular);
+// ---- snap_edges.c ----
+// Edges of s whose control points agree to 1e-9 of its size, but not as nearly as rounding leaves them, become one
+// point: the middle of theirs.
+void kn_snap_edges(kn_spline *s);
+// What a message about a normal that was not found may add: that an edge is nearly one point, 1e-4 of S's size; or "".
+const char *kn_thin_edge(const kn_shell *shell);
 // ---- edges.c ----
 // What the edge at this end of variable var is.
 kn_shell_edge kn_edge_of(const kn_shell *shell, int var, int end);

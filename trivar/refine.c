@@ -210,8 +210,9 @@ static size_t choose(const refinement *r, const candidate *c, char *const split[
 
 static kn_status give_up(kn_ctx *ctx, const refinement *r, const char *why)
 {
-    return kn_fail(ctx, KN_EUNDECIDED, "shell: normal tolerance %.3g not met with %d x %d spans of degree %d: %s",
-                   r->shell->normal_tol, r->axes[0].ncuts - 1, r->axes[1].ncuts - 1, r->max_degree, why);
+    return kn_fail(ctx, KN_EUNDECIDED, "shell: normal tolerance %.3g not met with %d x %d spans of degree %d: %s%s",
+                   r->shell->normal_tol, r->axes[0].ncuts - 1, r->axes[1].ncuts - 1, r->max_degree, why,
+                   kn_thin_edge(r->shell));
 }
 
 static kn_status split_axis(kn_ctx *ctx, refinement *r, int var, const char *split)

@@ -209,6 +209,7 @@ kn_status kn_shell_create(kn_ctx *ctx, kn_shell **out, const kn_spline *surface,
     s->method = o.normal;
     s->normal_tol = o.normal_tol;
     status = kn_spline_copy(ctx, &s->surface, surface);
+    if (status == KN_OK) kn_snap_edges(&s->surface);
     if (status == KN_OK) status = kn_shell_take_fields(ctx, s, &o);
     if (status == KN_OK) status = kn_shell_set_grid(ctx, s, &o);
     if (status == KN_OK && s->kind == KN_SHELL_NORMAL) {

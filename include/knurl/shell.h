@@ -52,6 +52,11 @@ KN_API kn_shell_options kn_shell_defaults(void);
 // The shell of a surface (nvars 2, dim 3, polynomial or rational), which is copied. N is S_u x S_v over each knot
 // span, with the factors that vanish along its edges divided out exactly (of S = P/W: W^3 times it). The knots of n
 // contain the cell lines, and more lines where the tolerance asks for them.
+// An edge whose control points agree to 1e-9 of S's size in each coordinate, but not as nearly as rounding leaves them,
+// is noise around a pole: in the shell's copy (kn_shell_surface) they become one point, the middle of theirs, and two
+// such edges that meet become one. S in use then differs from the caller's by no more than that, and so do the ends of
+// the edges beside it from those of neighbouring surfaces. An edge that is larger, up to 1e-4, is taken as it is; where
+// no normal is found then, the message says so.
 // KN_NORMAL_FITTED: degrees 3 .. max_degree in each variable, the lowest that do; C2 or smoother wherever S is C3 or
 //         smoother. n interpolates N/|N|, so that its coefficients along an edge depend on N/|N| and on the knots
 //         along that edge alone; where S is one point with one normal, n is one vector.
@@ -82,7 +87,7 @@ KN_API KN_CHECKED kn_status kn_shell_create(kn_ctx *ctx, kn_shell **out, const k
                                             const kn_shell_options *options);
 KN_API void kn_shell_destroy(kn_ctx *ctx, kn_shell *shell);
 
-// S, with the knots of the fields inserted; of a volume its face at w = 0.
+// S, with the knots of the fields inserted and noisy poles collapsed (kn_shell_create); of a volume its face at w = 0.
 KN_API const kn_spline *kn_shell_surface(const kn_shell *shell);
 // n, without the thickness. With a direction in its place: h d. Of a volume an empty spline.
 KN_API const kn_spline *kn_shell_normal(const kn_shell *shell);

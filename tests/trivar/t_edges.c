@@ -321,13 +321,108 @@ static void no_normal(void **state)
     test_ctx_end(ctx, &memory);
 }
 
+// ---- edges that are nearly one point ----
+
+// Moves the control points of the edge v = 0 by up to `noise` in each coordinate; both: those of u = 0 too, to and fro
+// by as much, so that their middle stays (a factor v^2 is there with the pole in its place alone).
+static void shake(test_rng *rng, kn_spline *s, bool both, double noise)
+{
+    size_t count = kn_spline_count(s), nv = (size_t)s->count[1];
+    for (size_t i = 0; i < count; i++)
+        for (size_t c = 0; c < 3 && (i % nv == 0 || (both && i < nv)); c++) {
+            double by = both ? (i % 2 == 0 ? noise : -noise) : test_uniform(rng, -noise, noise);
+            s->coef[c * count + i] += by * (s->rational ? s->coef[3 * count + i] : 1.0);
+        }
+}
+
+// The edge of the shell's surface is one point but for the rounding of P = p W, and lies within `noise` of the
+// caller's (coordinates of up to 3).
+static void expect_one_point(const kn_spline *s, const kn_spline *given, double noise)
+{
+    size_t count = kn_spline_count(s), nv = (size_t)s->count[1];
+    for (size_t i = 0; i < count; i++)
+        for (size_t c = 0; c < 3; c++) {
+            double w = s->rational ? s->coef[3 * count + i] : 1.0, w0 = s->rational ? s->coef[3 * count] : 1.0;
+            double x = s->coef[c * count + i] / w;
+            assert_true(fabs(x - given->coef[c * count + i] / w) <= noise + 2e-15);
+            if (i % nv == 0) assert_true(fabs(x - s->coef[c * count] / w0) <= 2e-15);
+        }
+}
+
+// Noise that agrees to 1e-9 of the size (here 1 to 4) is taken for one point, alone or with an edge that it meets.
+static void noisy_poles(void **state)
+{
+    (void)state;
+    test_memory memory = TEST_MEMORY_INIT;
+    kn_ctx *ctx = test_ctx(&memory, 1);
+    test_rng rng = test_random(9);
+    const double centre[3] = {0.5, 0, 1};
+    for (int kind = 0; kind < 3; kind++)
+        for (double noise = 1e-15; noise < 4e-10; noise *= 7.0) {
+            kn_spline s = {0}, given = {0};
+            kn_shell_edge edges[2][2];
+            if (kind == 2)
+                assert_int_equal(kn_construct_sphere(ctx, &s, centre, 2.0), KN_OK);
+            else
+                make_paraboloid(ctx, &s, kind == 0 ? wedge : two_points);
+            shake(&rng, &s, kind == 1, noise);
+            assert_int_equal(kn_spline_copy(ctx, &given, &s), KN_OK);
+            for (int m = 0; m < 2; m++) {
+                kn_shell *shell = create(ctx, &s, methods[m], "noisy");
+                kn_shell_edges(shell, edges);
+                assert_true(edges[1][0].kind == KN_EDGE_POLE && edges[1][0].order > 0);
+                assert_int_equal(edges[0][0].kind, kind == 1 ? KN_EDGE_POLE : KN_EDGE_CURVE);
+                expect_one_point(kn_shell_surface(shell), &given, 2.0 * noise);
+                assert_memory_equal(s.coef, given.coef, (size_t)s.ncomp * kn_spline_count(&s) * sizeof *s.coef);
+                kn_shell_destroy(ctx, shell);
+            }
+            kn_spline_clear(ctx, &given);
+            kn_spline_clear(ctx, &s);
+        }
+    test_ctx_end(ctx, &memory);
+}
+
+// Beyond that nothing moves: a message says what is wrong with the edge, and an edge of 1e-3 is an edge.
+static void nearly_a_pole(void **state)
+{
+    (void)state;
+    test_memory memory = TEST_MEMORY_INIT;
+    kn_ctx *ctx = test_ctx(&memory, 1);
+    test_rng rng = test_random(10);
+    for (double noise = 1e-8; noise < 2e-7; noise *= 10.0) {
+        kn_spline s = {0};
+        kn_shell *shell = NULL;
+        make_paraboloid(ctx, &s, wedge);
+        shake(&rng, &s, false, noise);
+        assert_int_not_equal(kn_shell_create(ctx, &shell, &s, NULL), KN_OK);
+        assert_null(shell);
+        assert_non_null(strstr(kn_ctx_message(ctx), "the edge at the low end of v is nearly one point"));
+        kn_ctx_clear_error(ctx);
+        kn_spline_clear(ctx, &s);
+    }
+    const double knots[4] = {0, 0, 1, 1}, *both[2] = {knots, knots};
+    for (double width = 1e-10; width < 2e-3; width *= 1e7) { // a trapezium: snapped, and an edge
+        kn_spline s = {0};
+        const double coef[12] = {0, 0, width, 1, 0, 1, 0, 1, 0, 0, 0, 0};
+        kn_shell_edge edges[2][2];
+        assert_int_equal(kn_spline_init(ctx, &s, 2, 3, false, (const int[2]){1, 1}, (const int[2]){2, 2}, both, coef),
+                         KN_OK);
+        kn_shell *shell = create(ctx, &s, KN_NORMAL_FITTED, "trapezium");
+        kn_shell_edges(shell, edges);
+        bool snapped = width < 1e-9;
+        assert_int_equal(edges[1][0].kind, snapped ? KN_EDGE_POLE : KN_EDGE_CURVE);
+        assert_true(kn_shell_surface(shell)->coef[2] == (snapped ? 0.5 * width : width));
+        kn_shell_destroy(ctx, shell);
+        kn_spline_clear(ctx, &s);
+    }
+    test_ctx_end(ctx, &memory);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(degenerate_maps),
-        cmocka_unit_test(apexes),
-        cmocka_unit_test(revolved),
-        cmocka_unit_test(no_normal),
+        cmocka_unit_test(degenerate_maps), cmocka_unit_test(apexes),      cmocka_unit_test(revolved),
+        cmocka_unit_test(no_normal),       cmocka_unit_test(noisy_poles), cmocka_unit_test(nearly_a_pole),
     };
     return cmocka_run_group_tests_name("trivar/edges", tests, NULL, NULL);
 }
