@@ -206,8 +206,9 @@ kn_status kn_refine_normal(kn_ctx *ctx, kn_shell *shell, int max_degree, int max
 
 // ---- stand_in.c ----
 // *out = a polynomial of degrees a + b <= degree_sum that meets limit on [0,1]^2; *fits tells whether there is one.
+// exact: a multiple of the direction.
 kn_status kn_stand_in(kn_ctx *ctx, kn_bezier *out, kn_normal_certificate *certificate, bool *fits,
-                      const kn_bezier *direction, double direction_error, double limit, int degree_sum);
+                      const kn_bezier *direction, double direction_error, double limit, int degree_sum, bool exact);
 
 // ---- jacobian_terms.c ----
 enum { KN_BOX_TERMS = 4, KN_BOX_POWERS = KN_MAX_DEGREE + 1 };

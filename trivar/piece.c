@@ -115,7 +115,9 @@ static kn_status own_normal(kn_ctx *ctx, kn_bezier *n, kn_shell_piece *p, bool *
 static kn_status other_normal(kn_ctx *ctx, kn_bezier *n, kn_shell_piece *p, bool *fits, const kn_shell *s,
                               const kn_bezier *direction, double direction_error, int degree_sum)
 {
-    kn_status status = kn_stand_in(ctx, n, &p->normal, fits, direction, direction_error, s->normal_tol, degree_sum);
+    kn_status status = KN_OK;
+    bool exact = s->method == KN_NORMAL_EXACT_DIRECTION;
+    status = kn_stand_in(ctx, n, &p->normal, fits, direction, direction_error, s->normal_tol, degree_sum, exact);
     if (status == KN_OK && *fits) {
         p->exact = false;
         p->deviation = p->normal.length_error + p->normal.angle_error + s->certificate.length_error +

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// One polynomial in place of the unit normal over a box: interpolation at Chebyshev-Lobatto sites, whose ends are the
-// box's edges, so that an edge of the stand-in depends on that edge and its degree alone.
+// One polynomial in place of the unit normal over a box, or N times one in place of 1/|N|: interpolation at
+// Chebyshev-Lobatto sites, whose ends are the box's edges, so that an edge of the stand-in depends on that edge and
+// its degree alone.
 #include "kernel/banded.h"
 #include "kernel/bernstein.h"
 #include "kernel/context.h"
@@ -20,19 +21,32 @@ static void lobatto(double *site, int n)
 
 // ---- which degrees? ----
 
-// rest[k] = sum over j > k of the Chebyshev coefficients |c_j| of the unit normal in variable var, the largest of
-// three lines: about the error of interpolation of degree k. False where the normal vanishes.
-static bool decay(double rest[ROOM], const kn_bezier *direction, int var, int n)
+// The unit normal at n + 1 sites along a line; or, of exact directions, 1/|N| in units of its least value there,
+// which makes errors those of the length.
+static bool sample_line(double f[ROOM][3], const kn_bezier *direction, int var, double across, const double *site,
+                        int n, bool exact)
 {
-    double site[ROOM], f[ROOM][3], x[2], c[ROOM];
+    double x[2], length[ROOM], most = 0.0;
+    x[1 - var] = across;
+    for (int k = 0; k <= n; k++) {
+        x[var] = site[k];
+        length[k] = kn_direction_length(f[k], direction, x);
+        if (!(length[k] > 0.0)) return false;
+        most = fmax(most, length[k]);
+    }
+    for (int k = 0; k <= n && exact; k++) f[k][0] = most / length[k], f[k][1] = f[k][2] = 0.0;
+    return true;
+}
+
+// rest[k] = sum over j > k of the Chebyshev coefficients |c_j| of what is interpolated in variable var, the largest
+// of three lines: about the error of interpolation of degree k. False where the normal vanishes.
+static bool decay(double rest[ROOM], const kn_bezier *direction, int var, int n, bool exact)
+{
+    double site[ROOM], f[ROOM][3], c[ROOM];
     lobatto(site, n);
     for (int k = 0; k <= n; k++) rest[k] = 0.0;
     for (int line = 0; line < 3; line++) {
-        x[1 - var] = 0.5 * line;
-        for (int k = 0; k <= n; k++) {
-            x[var] = site[k];
-            if (!kn_direction_unit(f[k], direction, x)) return false;
-        }
+        if (!sample_line(f, direction, var, 0.5 * line, site, n, exact)) return false;
         for (int k = 0; k <= n; k++) {
             double sum[3] = {0}, end = k == 0 || k == n ? 0.5 : 1.0;
             for (int j = 0; j <= n; j++) {
@@ -76,32 +90,35 @@ static kn_status to_bernstein(kn_ctx *ctx, double *data, int p, const double *si
     return KN_OK;
 }
 
-static kn_status interpolate(kn_ctx *ctx, kn_bezier *out, const kn_bezier *direction, const int degree[2])
+// The unit normal, or 1/|N|.
+static kn_status interpolate(kn_ctx *ctx, kn_bezier *out, const kn_bezier *direction, const int degree[2], bool exact)
 {
     double site[2][ROOM], unit[3];
-    kn_status status = kn_bezier_init(ctx, out, 2, 3, false, degree);
+    kn_status status = kn_bezier_init(ctx, out, 2, exact ? 1 : 3, false, degree);
     if (status != KN_OK) return status;
     size_t nu = (size_t)degree[0] + 1, nv = (size_t)degree[1] + 1;
     for (int v = 0; v < 2; v++) lobatto(site[v], degree[v]);
     for (size_t i = 0; i < nu; i++)
         for (size_t j = 0; j < nv; j++) {
-            kn_direction_unit(unit, direction, (const double[2]){site[0][i], site[1][j]});
-            for (size_t c = 0; c < 3; c++) out->coef[(c * nu + i) * nv + j] = unit[c];
+            double length = kn_direction_length(unit, direction, (const double[2]){site[0][i], site[1][j]});
+            if (exact) unit[0] = length > 0.0 ? 1.0 / length : 0.0;
+            for (size_t c = 0; c < (size_t)out->ncomp; c++) out->coef[(c * nu + i) * nv + j] = unit[c];
         }
     kn_mark mark = kn_scratch_mark(ctx);
-    status = to_bernstein(ctx, out->coef, degree[0], site[0], 3, nv);
-    if (status == KN_OK) status = to_bernstein(ctx, out->coef, degree[1], site[1], 3 * nu, 1);
+    status = to_bernstein(ctx, out->coef, degree[0], site[0], (size_t)out->ncomp, nv);
+    if (status == KN_OK) status = to_bernstein(ctx, out->coef, degree[1], site[1], (size_t)out->ncomp * nu, 1);
     kn_scratch_release(ctx, mark);
     return status;
 }
 
 static kn_status try_degrees(kn_ctx *ctx, kn_bezier *out, kn_normal_certificate *certificate, bool *fits,
-                             const kn_bezier *direction, const kn_certify_options *o, const int degree[2])
+                             const kn_bezier *direction, const kn_certify_options *o, const int degree[2], bool exact)
 {
     kn_bezier m = {0};
     double length, angle;
     kn_normal_certificate found = {.certified = false};
-    kn_status status = interpolate(ctx, &m, direction, degree);
+    kn_status status = interpolate(ctx, &m, direction, degree, exact);
+    if (status == KN_OK && exact) status = kn_bezier_product(ctx, &m, direction, &m);
     if (status == KN_OK) {
         kn_sample_errors(&length, &angle, &m, direction);
         if (length <= o->limit && angle <= o->limit) status = kn_certify(ctx, &found, &m, direction, o);
@@ -116,16 +133,20 @@ static kn_status try_degrees(kn_ctx *ctx, kn_bezier *out, kn_normal_certificate 
 }
 
 kn_status kn_stand_in(kn_ctx *ctx, kn_bezier *out, kn_normal_certificate *certificate, bool *fits,
-                      const kn_bezier *direction, double direction_error, double limit, int degree_sum)
+                      const kn_bezier *direction, double direction_error, double limit, int degree_sum, bool exact)
 {
+    if (exact) degree_sum -= direction->degree[0] + direction->degree[1];
     double rest[2][ROOM];
     int n = degree_sum > HIGHEST ? HIGHEST : degree_sum > 2 ? degree_sum - 1 : 2, degree[2];
     *fits = false;
-    for (int v = 0; v < 2; v++) // the certificate multiplies it with the direction
-        if (n > KN_MAX_DEGREE - direction->degree[v]) n = KN_MAX_DEGREE - direction->degree[v];
+    for (int v = 0; v < 2; v++) { // the certificate multiplies it with the direction, and with itself
+        int most = (exact ? KN_MAX_DEGREE / 2 : KN_MAX_DEGREE) - direction->degree[v];
+        if (n > most) n = most;
+    }
+    if (exact && (n < 2 || degree_sum < 2)) return KN_OK;
     if (n < 2) n = 2;
     for (int v = 0; v < 2; v++) {
-        if (!decay(rest[v], direction, v, n)) return KN_OK;
+        if (!decay(rest[v], direction, v, n, exact)) return KN_OK;
         degree[v] = enough(rest[v], n, limit);
     }
     kn_certify_options o = {.limit = limit, .target = {limit, limit}, .direction_error = direction_error};
@@ -134,7 +155,7 @@ kn_status kn_stand_in(kn_ctx *ctx, kn_bezier *out, kn_normal_certificate *certif
     kn_status status = KN_OK;
     while (status == KN_OK && !*fits && work >= 0.0 && degree[0] + degree[1] <= degree_sum && degree[0] <= n &&
            degree[1] <= n) {
-        status = try_degrees(ctx, out, certificate, fits, direction, &o, degree);
+        status = try_degrees(ctx, out, certificate, fits, direction, &o, degree, exact);
         degree[rest[1][degree[1]] > rest[0][degree[0]]]++;
     }
     return status;

@@ -198,7 +198,8 @@ typedef struct kn_shell_piece {
 // Where n has knots inside the box, *fits tells whether one polynomial of degrees (a,b), a + b <= degree_sum, meets
 // normal_tol over the whole box; if none does, *fits is false, out is unchanged, and the caller may try smaller
 // boxes. Those tried are interpolants at Chebyshev-Lobatto sites, of degrees that the normal's Chebyshev coefficients
-// along three lines each way suggest, and up. Boxes beyond the domain keep n's end piece when that is still within
+// along three lines each way suggest, and up; with KN_NORMAL_EXACT_DIRECTION N times an interpolant of 1/|N|, so that
+// the angle error is rounding there too. Boxes beyond the domain keep n's end piece when that is still within
 // normal_tol, and else get a stand-in. A box wholly beyond the seam of a closed direction is taken from the other
 // end. out:   overwritten, not cleared: kn_shell_piece_clear. Neighbouring whole cells that are exact share the
 //        coefficients of their common edge bit for bit.

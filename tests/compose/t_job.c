@@ -226,6 +226,31 @@ static void matches_on_rational_bases(void **state)
     try_scene(&o, scene_cylinder, scene_strip);
 }
 
+// N of a bicubic has degrees 5, 5 and m three more at least: a tile of degree 1 composes to 17.
+static void exact_directions(void **state)
+{
+    (void)state;
+    kn_job_options o = {
+        .count = {3, 2}, .height = 0.2, .normal_tol = 1e-4, .max_degree = 24, .normal = KN_NORMAL_EXACT_DIRECTION};
+    try_scene(&o, bent_bicubic, scene_diamond);
+    test_memory memory = TEST_MEMORY_INIT;
+    kn_ctx *ctx = test_ctx(&memory, 1);
+    kn_spline s;
+    kn_tile tile = {0};
+    bent_bicubic(ctx, &s);
+    scene_diamond(ctx, &tile);
+    for (o.max_degree = 15; o.max_degree <= 17; o.max_degree += 2) {
+        kn_job *job = NULL;
+        kn_status status = kn_job_create(ctx, &job, &s, 1, &tile, &o);
+        assert_int_equal(status, o.max_degree < 17 ? KN_EDOMAIN : KN_OK);
+        if (status != KN_OK) assert_non_null(strstr(kn_ctx_message(ctx), "--max-degree 17 is needed"));
+        kn_job_destroy(ctx, job);
+    }
+    kn_tile_clear(ctx, &tile);
+    kn_spline_clear(ctx, &s);
+    test_ctx_end(ctx, &memory);
+}
+
 static void matches_over_knots(void **state)
 {
     (void)state;
@@ -602,6 +627,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {cmocka_unit_test(matches_direct_evaluation),
                                        cmocka_unit_test(matches_on_rational_bases),
+                                       cmocka_unit_test(exact_directions),
                                        cmocka_unit_test(matches_over_knots),
                                        cmocka_unit_test(lines_contain_knots),
                                        cmocka_unit_test(teapot),
