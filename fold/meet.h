@@ -62,6 +62,8 @@ typedef struct kn_meet {
     double whole;      // diameter of all images
     double resolution; // places nearer than this, along the shells, are one
     size_t boxes, work;
+    bool hollow;  // the last pair lies at the two sides of an edge that could not be certified to open
+    int attempts; // at witnesses there, whatever the boxes say
 } kn_meet;
 
 // Coefficients of T over a box: three components, or four homogeneous ones, and the bounds of their errors.

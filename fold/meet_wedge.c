@@ -141,5 +141,6 @@ kn_status kn_meet_wedge(kn_meet *m, bool *apart, const kn_meet_node *a, const kn
     kn_status status = kn_meet_add_part(&h, &p);
     if (status == KN_OK && h.fits) status = kn_meet_add_part(&h, &q);
     if (status == KN_OK && h.fits) *apart = parts_them(&h);
+    m->hollow = !*apart;
     return status;
 }

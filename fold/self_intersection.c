@@ -5,6 +5,8 @@
 
 #include <string.h>
 
+enum { MOST_ATTEMPTS = 100 };
+
 // Two nodes in doubt; a == b is a node with itself.
 typedef struct pair {
     double size;
@@ -109,13 +111,16 @@ static kn_status settle(kn_meet *m, queue *q, kn_fold_intersection *out, const p
     const kn_meet_node *a = &m->nodes[p->a], *b = &m->nodes[p->b];
     bool done = false, self = p->a == p->b, small = p->size <= m->resolution;
     kn_status status = KN_OK;
+    m->hollow = false;
     if (!self && kn_meet_separate(&a->box, &b->box, 1.0)) return KN_OK;
     if (is_group(a) || is_group(b)) return self ? halve_self(m, q, p->a) : halve(m, q, p->a, p->b);
     if (!self && !touch(a, b)) status = kn_meet_plane(m, &done, p->a, p->b);
     if (status == KN_OK && !done) status = kn_meet_injective(m, &done, p->a, p->b);
     if (status == KN_OK && !done && !self) status = kn_meet_fibre(m, &done, p->a, p->b);
     if (status != KN_OK || done) return status;
-    if (!self && (small || !kn_meet_separate(&a->box, &b->box, 0.5))) {
+    bool tries = !self && (small || !kn_meet_separate(&a->box, &b->box, 0.5));
+    if (!tries && m->hollow && m->attempts < MOST_ATTEMPTS) tries = true, m->attempts++;
+    if (tries) {
         m->boxes++;
         status = kn_meet_witness(m, out, found, p->a, p->b);
         if (status != KN_OK || *found) return status;

@@ -279,6 +279,7 @@ static void ridges(void **state)
     up = n[2] < 0.0 ? 1.0 : -1.0; // the first face is the bottom
     assert_int_equal(ask_pieces(ctx, box, 6, fmin(0.3 * up, 0.0), fmax(0.3 * up, 0.0)), KN_FOLD_NONE);
     assert_int_equal(ask_pieces(ctx, box, 6, fmin(-0.3 * up, 0.0), fmax(-0.3 * up, 0.0)), KN_FOLD_FOUND);
+    assert_int_equal(ask_pieces(ctx, box, 6, fmin(-0.002 * up, 0.0), fmax(-0.002 * up, 0.0)), KN_FOLD_FOUND);
     for (int i = 0; i < 6; i++) kn_spline_clear(ctx, &box[i]);
     test_ctx_end(ctx, &memory);
 }
