@@ -156,6 +156,12 @@ kn_status kn_job_decide_sizes(kn_ctx *ctx, kn_job *job, kn_job_bases *bases);
 // cell: its mean side.
 kn_status kn_job_free_corners(kn_ctx *ctx, kn_job *job, kn_job_bases *bases, double cell);
 
+// ---- job_fields.c ----
+// Of a polynomial field of two variables: how far coefficients differ along variable v.
+double kn_job_field_variation(const kn_spline *f, int v);
+// Makes it one that does not depend on v, of degree 0 there, in the middle of the coefficients.
+kn_status kn_job_lower_field(kn_ctx *ctx, kn_spline *f, int v);
+
 // ---- job_stretch.c ----
 // Multiplies the parts' thickness by the stretch of their cells, whose lines and spread are there;
 // report.stretch_error.

@@ -117,6 +117,8 @@ static kn_status take_field(kn_ctx *ctx, kn_spline *out, kn_spline *face, const 
     if (!field) return KN_OK;
     double lo[2], hi[2];
     kn_status status = kn_spline_copy(ctx, out, field);
+    for (int v = 0; v < 2 && status == KN_OK; v++)
+        if (kn_job_field_variation(out, v) == 0.0) status = kn_job_lower_field(ctx, out, v);
     for (int v = 0; v < 2 && status == KN_OK; v++) {
         kn_spline_domain(origin, v, &lo[v], &hi[v]);
         status = kn_spline_reparameterize(ctx, out, out, v, lo[v], hi[v]);

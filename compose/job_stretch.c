@@ -24,9 +24,10 @@ static void join(const joined *j, size_t a, size_t b)
     j->parent[a < b ? b : a] = a < b ? a : b;
 }
 
-// The place of coefficient k along an edge of part s; the edge has count[edge < 2] of them.
+// The place of coefficient k along an edge of part s; the edge has count[edge < 2] of them, or one for all.
 static size_t on_edge(const joined *j, const kn_spline *h, int s, int edge, int k)
 {
+    if (h->count[edge < 2] == 1) k = 0;
     int fixed = edge >> 1, last = edge % 2 == 0 ? 0 : h->count[fixed] - 1;
     return j->first[s] + (size_t)(fixed == 0 ? last * h->count[1] + k : k * h->count[1] + last);
 }
@@ -49,7 +50,9 @@ static void join_edges(const joined *j, const kn_job *job, const kn_spline *h)
         const kn_job_partner *p = &job->surfaces[s].partner[e % 4];
         if (one_value(j, &h[s], s, e % 4))
             for (int k = 1; k < n; k++) join(j, on_edge(j, &h[s], s, e % 4, 0), on_edge(j, &h[s], s, e % 4, k));
-        if (p->edge < 0 || h[p->edge / 4].count[p->edge % 4 < 2] != n) continue;
+        int other = p->edge < 0 ? 0 : h[p->edge / 4].count[p->edge % 4 < 2];
+        if (other != n && (other == 0 || (other > 1 && n > 1))) continue;
+        n = n > other ? n : other;
         for (int k = 0; k < n; k++)
             join(j, on_edge(j, &h[s], s, e % 4, k),
                  on_edge(j, &h[p->edge / 4], p->edge / 4, p->edge % 4, p->reversed ? n - 1 - k : k));
@@ -102,16 +105,37 @@ static kn_status meet(kn_ctx *ctx, double *change, kn_spline *h, const kn_job *j
     return room ? KN_OK : KN_ENOMEM;
 }
 
-// C1 where the tile's degree leaves room for it beside a normal of the least degree, else bilinear.
+// What max_degree leaves for the sum of h's degrees beside a normal of the least degrees, 3 and 3.
+static int room_for_degrees(const kn_job *job, const kn_job_base *b, const kn_spline *face)
+{
+    int n = b->direction.coef ? b->direction.degree[0] + b->direction.degree[1] : 6;
+    int own = b->thickness.coef ? b->thickness.degree[0] + b->thickness.degree[1] : 0;
+    int weight = face->rational ? face->degree[0] + face->degree[1] : 0;
+    return job->options.max_degree / kn_job_tile_degree(job) - (n + 1 + weight + own);
+}
+
+// C1 where there is room for it, else bilinear.
 static int choose_degree(const kn_job *job, const kn_job_bases *bases)
 {
-    int weight = 0;
-    for (int s = 0; s < bases->n; s++) {
-        const kn_spline *f = &bases->faces[s];
-        int own = f->rational ? f->degree[0] + f->degree[1] : 0;
-        weight = own > weight ? own : weight;
+    int degree = 2;
+    for (int s = 0; s < bases->n; s++)
+        if (room_for_degrees(job, &bases->list[s], &bases->faces[s]) < 4) degree = 1;
+    return degree;
+}
+
+// Where there is no room for that either, h is taken along the one variable in which it varies more. error: what that
+// changes is added.
+static kn_status lower(kn_ctx *ctx, double *error, kn_spline *h, const kn_job *job, const kn_job_bases *bases)
+{
+    kn_status status = KN_OK;
+    for (int s = 0; status == KN_OK && s < bases->n; s++) {
+        if (room_for_degrees(job, &bases->list[s], &bases->faces[s]) >= h[s].degree[0] + h[s].degree[1]) continue;
+        const double varies[2] = {kn_job_field_variation(&h[s], 0), kn_job_field_variation(&h[s], 1)};
+        int v = varies[0] <= varies[1] ? 0 : 1;
+        status = kn_job_lower_field(ctx, &h[s], v);
+        error[s] += 0.5 * varies[v] / least_stretch * (1.0 + 0x1p-40);
     }
-    return kn_job_tile_degree(job) * (6 + 1 + weight + 4) <= job->options.max_degree ? 2 : 1;
+    return status;
 }
 
 // *most: the largest factor.
@@ -144,6 +168,7 @@ kn_status kn_job_stretch(kn_ctx *ctx, kn_job *job, kn_job_bases *bases)
         const int nlines[2] = {at->cells[0] + 1, at->cells[1] + 1};
         status = kn_cells_stretch(ctx, &h[s], &error[s], &bases->faces[s], lines, nlines, &o);
     }
+    if (status == KN_OK) status = lower(ctx, error, h, job, bases);
     if (status == KN_OK) status = meet(ctx, change, h, job);
     for (size_t s = 0; status == KN_OK && s < n; s++) {
         error[s] += change[s] / least_stretch * (1.0 + 0x1p-40);

@@ -192,7 +192,8 @@ typedef struct kn_job_options {
     // variable 1 meets a neighbour's variable 0 at an edge, both stay whole.
     bool rows;
     // Heights follow the local stretch: the thickness is multiplied by kn_cells_stretch (of degree 2, or 1 where
-    // max_degree leaves no room), made one on edges that surfaces share. Not for volumes.
+    // max_degree leaves no room, or made a function of one variable where there is not even room for that:
+    // stretch_error says what it costs), made one on edges that surfaces share. Not for volumes.
     bool stretch;
     // Of S(map) with KN_CELLS_FREE, length units; 0: 1e-4 of a cell, or up to 1e-3 where degrees end before that.
     double cells_tol;
