@@ -113,8 +113,8 @@ kn_status kn_meet_plane(kn_meet *m, bool *apart, int ia, int ib)
 // What a node shares with another: the part of its box where each variable is at the given end (0, 1; -1: anywhere).
 typedef struct part {
     const kn_meet_node *node;
-    int end[3];
     double at[3]; // a place there
+    int end[3];
     bool special; // a pole, an apex, or a corner of the chart: other parameters may have the same fibre or point
 } part;
 

@@ -21,14 +21,15 @@ typedef struct kn_meet_hull {
     bool fits; // false: H cannot be treated
 } kn_meet_hull;
 
-// A box of one chart as part of H. The derivative in its variable d times scale[d] is one in variable column[d] of H.
+// A box of one chart as part of H. The derivative in its variable d times scale[d] is one in variable column[d] of
+// H.
 typedef struct kn_meet_part {
     int chart, column[3];
     double lo[3], hi[3], scale[3];
     int pole, pole_end; // the variable that runs away from a pole, -1: none
     double across[2];   // y at lo and hi of the other variable
-    // The variable that runs away from an edge that is one point, on the base or for each height, -1: none. T_u, u the
-    // other one, is then given divided by the distance. fan: in variables that spread from the tip.
+    // The variable that runs away from an edge that is one point, on the base or for each height, -1: none. T_u, u
+    // the other one, is then given divided by the distance. fan: in variables that spread from the tip.
     int tip, tip_end;
     bool fan;
     double lift; // the distance from an apex is v + lift w

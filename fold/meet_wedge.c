@@ -3,10 +3,10 @@
 //
 // Let both edges be the curve C. With v the distance of a place from the edge and w its height, both in parts of its
 // box, T = C(s) + v a + w b with a and b means of values of T_v and T_w, and C(s) - C(s') = (s - s') c with c one of
-// C'. So two places have one image only where (s - s') c + v a + w b = v' a' + w' b'. A functional that vanishes at c,
-// is positive at all a and b and negative at all a' and b' leaves v = w = v' = w' = 0. m - (m.c / e.c) e is one for
-// each c when |m.c| <= k e.c, m.x > k |e.x| for all a and b, -m.x > k |e.x| for all a' and b'. Where the edges are
-// the same within j only, the distances are at most j (1 + k) / the least of those functionals, for unit m and e.
+// C'. So two places have one image only where (s - s') c + v a + w b = v' a' + w' b'. A functional that vanishes at
+// c, is positive at all a and b and negative at all a' and b' leaves v = w = v' = w' = 0. m - (m.c / e.c) e is one
+// for each c when |m.c| <= k e.c, m.x > k |e.x| for all a and b, -m.x > k |e.x| for all a' and b'. Where the edges
+// are the same within j only, the distances are at most j (1 + k) / the least of those functionals, for unit m and e.
 // Where the edge ends at a pole or an apex a is itself a multiple of the distance from there: that is divided out.
 #include "fold/meet_slopes.h"
 
