@@ -137,6 +137,20 @@ static bool read_patch(FILE *file, double coef[48], int patch)
     return true;
 }
 
+void make_dome(kn_ctx *ctx, kn_spline *out)
+{
+    static const double knots[8] = {0, 0, 0, 0, 1, 1, 1, 1}, height[4] = {0.0, 0.0, -0.1, -0.3};
+    const double *both[2] = {knots, knots};
+    double coef[48];
+    for (int i = 0; i < 4; i++)
+        for (int j = 0; j < 4; j++) {
+            double a = 0.5 * i, r = j / 3.0;
+            coef[4 * i + j] = r * cos(a), coef[16 + 4 * i + j] = r * sin(a), coef[32 + 4 * i + j] = height[j];
+        }
+    assert_int_equal(kn_spline_init(ctx, out, 2, 3, false, (const int[2]){3, 3}, (const int[2]){4, 4}, both, coef),
+                     KN_OK);
+}
+
 bool make_teapot(kn_ctx *ctx, kn_spline *out, int patch)
 {
     const double k[8] = {0, 0, 0, 0, 1, 1, 1, 1};

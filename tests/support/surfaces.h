@@ -25,6 +25,9 @@ void make_double_knots(kn_ctx *ctx, kn_spline *out); // bicubic, only C1 at its 
 void make_quintic(kn_ctx *ctx, kn_spline *out);      // degrees 5 and 4, simple knots
 void make_waves(kn_ctx *ctx, kn_spline *out);        // bicubic, 20 x 20 control points, about three waves each way
 void make_vase(kn_ctx *ctx, kn_spline *out);         // a rational cubic profile turned about z, closed in u
+// Bicubic, a wedge of a dome: control points (r cos a, r sin a, z), r = j/3, a = i/2, smooth at the top. Its edge v = 0
+// is the point 0, where (S_u x S_v) / v has a length that varies along u; n is (0,0,-1) there.
+void make_dome(kn_ctx *ctx, kn_spline *out);
 // A zero-based patch of data/teapot.bpt; false when the file is not there.
 bool make_teapot(kn_ctx *ctx, kn_spline *out, int patch);
 

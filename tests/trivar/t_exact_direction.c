@@ -88,22 +88,6 @@ static void direction_is_exact(void **state)
     test_ctx_end(ctx, &memory);
 }
 
-// A bicubic wedge of a dome, a quarter of a turn about the z axis: (r cos a, r sin a, -0.3 r^2), r = j/3, but for the
-// rounding of cubics. Its edge v = 0 is the point 0, where S_u x S_v / v has a length that varies along u.
-static void make_dome(kn_ctx *ctx, kn_spline *out)
-{
-    static const double knots[8] = {0, 0, 0, 0, 1, 1, 1, 1}, height[4] = {0.0, 0.0, -0.1, -0.3};
-    const double *both[2] = {knots, knots};
-    double coef[48];
-    for (int i = 0; i < 4; i++)
-        for (int j = 0; j < 4; j++) {
-            double a = 0.5 * i, r = j / 3.0;
-            coef[4 * i + j] = r * cos(a), coef[16 + 4 * i + j] = r * sin(a), coef[32 + 4 * i + j] = height[j];
-        }
-    assert_int_equal(kn_spline_init(ctx, out, 2, 3, false, (const int[2]){3, 3}, (const int[2]){4, 4}, both, coef),
-                     KN_OK);
-}
-
 // Every coefficient of n along the edge is the unit normal there, bit for bit the same.
 static void expect_one_vector(const kn_spline *n, int var, int end, const double wanted[3])
 {
