@@ -110,7 +110,7 @@ static kn_status count_classes(kn_ctx *ctx, edge_class *sums, int (*counts)[2], 
     for (int m = 0; status == KN_OK && m < 2 * job->nsurfaces; m++) {
         double count = class_count(&sums[classes[m].id]);
         if (!(count <= KN_JOB_MAX_COUNT))
-            status = kn_fail(ctx, KN_ELIMIT, "job: %.0f cells of size %g along surface %d, at most %d", count,
+            status = kn_fail(ctx, KN_ELIMIT, "job: %.6g cells of size %g along surface %d, at most %d", count,
                              size[m % 2], m / 2, KN_JOB_MAX_COUNT);
         else
             counts[m / 2][m % 2] = (int)count;

@@ -4,6 +4,7 @@
 #include "kernel/parallel.h"
 
 #include <math.h>
+#include <stdio.h>
 
 static const int least_normal_degree = 3; // of n in each variable
 static const int usual_normal_degree = 5; // and of m, where n = N m
@@ -26,6 +27,25 @@ static int least_factor(int *room, const kn_job_base *b, const kn_spline *face, 
     return n + *room > most ? n + *room : most;
 }
 
+// What helps, beside a limit above what other programs read.
+static kn_status no_room(kn_ctx *ctx, const kn_job *job, const kn_job_base *b, const kn_spline *face, int tile,
+                         int factor, int origin)
+{
+    int limit = job->options.max_degree, need = tile * factor, fits = limit / factor;
+    char other[48] = "";
+    if (fits > 0) (void)snprintf(other, sizeof other, ", or a tile of degree %d at most", fits);
+    const char *field = job->options.stretch ? ", or no stretch"
+                        : b->thickness.coef  ? ", or a thickness of lower degree"
+                                             : "";
+    const char *much = need > KN_MAX_DEGREE ? ", which is more than there is"
+                       : need > 25          ? ", which readers of STEP may refuse"
+                                            : "";
+    return kn_fail(ctx, KN_EDOMAIN,
+                   "job: tile patches of degree %d over surface %d of degrees %d, %d compose to degree %d or more, "
+                   "and the limit is %d: --max-degree %d is needed%s%s%s",
+                   tile, origin, face->degree[0], face->degree[1], need, limit, need, much, other, field);
+}
+
 // A tile patch of degree m composes to degree m times the largest sum of a term's degrees and its power of w: those of
 // S, of h n and 1, of psi and k; where S is rational those of the weight come to the fields.
 static kn_status fit_degrees(kn_ctx *ctx, kn_job *job, const kn_job_bases *bases)
@@ -36,11 +56,7 @@ static kn_status fit_degrees(kn_ctx *ctx, kn_job *job, const kn_job_bases *bases
         const kn_spline *face = &bases->faces[s];
         int room, least = least_factor(&room, &bases->list[s], face, power);
         if (tile * least > limit)
-            return kn_fail(ctx, KN_EDOMAIN,
-                           "job: tile patches of degree %d over surface %d of degrees %d, %d compose to degree %d or "
-                           "more, and the limit is %d: --max-degree %d is needed%s",
-                           tile, job->surfaces[s].origin, face->degree[0], face->degree[1], tile * least, limit,
-                           tile * least, tile * least > KN_MAX_DEGREE ? ", which is more than there is" : "");
+            return no_room(ctx, job, &bases->list[s], face, tile, least, job->surfaces[s].origin);
         job->surfaces[s].degree_sum = limit / tile - room;
         job->surfaces[s].tile_degree = tile;
     }
@@ -83,6 +99,16 @@ static const kn_spline *given(const kn_spline *s)
     return s->coef ? s : NULL;
 }
 
+// A shell does not know which surface it is of.
+static kn_status name_surface(kn_ctx *ctx, kn_status status, int origin)
+{
+    char message[400];
+    (void)snprintf(message, sizeof message, "%s", kn_ctx_message(ctx));
+    if (message[0] == 0 || status == KN_ENOMEM || status == KN_ECANCELLED) return status;
+    kn_ctx_clear_error(ctx);
+    return kn_fail(ctx, status, "job: surface %d: %s", origin, message);
+}
+
 static kn_status make_shell(kn_ctx *ctx, void *user, size_t index)
 {
     const shells *all = user;
@@ -103,7 +129,7 @@ static kn_status make_shell(kn_ctx *ctx, void *user, size_t index)
     kn_status status = base->volume.coef ? kn_shell_from_volume(ctx, &to->shell, &base->volume, &o)
                                          : kn_shell_create(ctx, &to->shell, &all->bases->faces[index], &o);
     if (status == KN_OK && !o.direction) status = check_normal(ctx, all->job, to);
-    if (status != KN_OK) return status;
+    if (status != KN_OK) return to->shell ? status : name_surface(ctx, status, to->origin);
 
     kn_shell_closed(to->shell, to->closed);
     return kn_shell_jacobian_bounds(ctx, &to->jacobian[0], &to->jacobian[1], to->shell, all->w[0], all->w[1]);

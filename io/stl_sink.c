@@ -5,6 +5,7 @@
 #include "io/out_file.h"
 #include "kernel/context.h"
 
+#include <float.h>
 #include <math.h>
 #include <string.h>
 
@@ -57,8 +58,14 @@ static kn_status stl_begin(kn_ctx *ctx, void *user, const kn_tile *tile, const k
     return kn_out_write(ctx, s->file, header, sizeof header);
 }
 
+static kn_status beyond_range(kn_ctx *ctx, const kn_patch *patch, double x)
+{
+    return kn_fail(ctx, KN_EDOMAIN, "STL: a coordinate %g in cell %d, %d of surface %d is beyond single precision", x,
+                   patch->id.cell[0], patch->id.cell[1], patch->id.surface);
+}
+
 // Triangles of which two corners fall together in single precision are left out.
-static kn_status append(kn_ctx *ctx, product *p, const kn_mesh *mesh)
+static kn_status append(kn_ctx *ctx, product *p, const kn_mesh *mesh, const kn_patch *patch)
 {
     size_t needed = p->triangles + mesh->ntriangles;
     if (needed > p->room) {
@@ -71,8 +78,11 @@ static kn_status append(kn_ctx *ctx, product *p, const kn_mesh *mesh)
     for (size_t t = 0; t < mesh->ntriangles; t++) {
         float corner[3][3], normal[3];
         for (size_t k = 0; k < 3; k++)
-            for (size_t c = 0; c < 3; c++)
-                corner[k][c] = (float)mesh->position[3 * (size_t)mesh->triangle[3 * t + k] + c];
+            for (size_t c = 0; c < 3; c++) {
+                double x = mesh->position[3 * (size_t)mesh->triangle[3 * t + k] + c];
+                if (!(fabs(x) <= (double)FLT_MAX)) return beyond_range(ctx, patch, x);
+                corner[k][c] = (float)x;
+            }
         if (equal(corner[0], corner[1]) || equal(corner[1], corner[2]) || equal(corner[2], corner[0])) continue;
         triangle_normal(normal, corner);
         unsigned char *to = p->data + TRIANGLE_BYTES * p->triangles++;
@@ -102,7 +112,7 @@ static kn_status stl_work(kn_ctx *worker, void *user, const kn_patch_block *bloc
         const kn_patch *patch = &block->patches[i];
         mesh.nvertices = mesh.ntriangles = 0;
         status = kn_mesh_add_patch(worker, &mesh, &patch->bezier, patch->segments, patch->reversed);
-        if (status == KN_OK) status = append(worker, p, &mesh);
+        if (status == KN_OK) status = append(worker, p, &mesh, patch);
     }
     kn_mesh_clear(worker, &mesh);
     if (status == KN_OK)
