@@ -112,12 +112,12 @@ typedef struct kn_fold_options {
 //         resolution r = options.size times the diameter of all images (of all shells over their whole domain and all
 //         heights in question, up and down):
 //         NONE: any two different places with one image lie on both sides of a common edge, or about a pole, an
-//         apex or a common corner, and are joined along the shells by a way not longer than r. So neighbours whose normals
-//         differ by less than r / w count as joined. Everywhere else T is injective.
+//         apex or a common corner, and are joined along the shells by a way not longer than r. So neighbours whose
+//         normals differ by less than r / w count as joined. Everywhere else T is injective.
 //         FOUND: a way that long does not join the places, but one of 10 r or more: it is no matter of resolution.
 //         Along an edge where two shells meet at an angle, T really overlaps on the hollow side, and so it does below
-//         an apex: FOUND. On the other side, where they open, NONE is certified (straight edges in a few boxes, curved
-//         ones in tens of thousands).
+//         an apex: FOUND. On the other side, where they open, NONE is certified (straight edges in a few boxes,
+//         curved ones in tens of thousands).
 //         OPEN: images of boxes in doubt became smaller than r, or the work ran out. So does T where it touches
 //         itself, or where J vanishes on the boundary of the regions alone.
 // fails:  KN_EDOMAIN (no shells, regions or options out of range), KN_EUNDECIDED weights near zero, numbers that
