@@ -13,7 +13,8 @@ enum { MOST_SPANS = 1 << 20 };
 // smooth ones in bench/normals takes. Errors go down with the sixth power of the span, so that spans go up with the cube root of the tolerance.
 static double work_for(const kn_shell *s)
 {
-    const double for_one = 1e9; // multiply-adds, for each span of S at a tolerance of 1e-6: some seconds
+    // multiply-adds, for each span of S at a tolerance of 1e-6: some seconds. N m is longer, and a cubic m needs more
+    const double for_one = s->method == KN_NORMAL_EXACT_DIRECTION ? 4e9 : 1e9;
     return for_one * (1.0 + (double)s->nspans) * cbrt(1e-6 / s->normal_tol);
 }
 
