@@ -10,7 +10,8 @@
 enum { MOST_SPANS = 1 << 20 };
 
 // Wild surfaces need more spans than anyone wants to wait for: work is limited, to four times what the worst of the
-// smooth ones in bench/normals takes. Errors go down with the sixth power of the span, so that spans go up with the cube root of the tolerance.
+// smooth ones in bench/normals takes. Errors go down with the sixth power of the span, so that spans go up with the
+// cube root of the tolerance.
 static double work_for(const kn_shell *s)
 {
     // multiply-adds, for each span of S at a tolerance of 1e-6: some seconds. N m is longer, and a cubic m needs more
