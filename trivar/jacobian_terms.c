@@ -67,8 +67,8 @@ static void set_none(factor *f, unsigned none)
 {
     size_t count = kn_bezier_count(&f->b), n = (size_t)f->b.ncomp;
     f->none = none & ((1u << n) - 1u);
-    for (size_t k = 0; k < n * count; k++)
-        if ((f->none >> k / count & 1u) != 0) f->b.coef[k] = 0.0;
+    for (size_t c = 0; c < n; c++)
+        for (size_t k = 0; k < count && (f->none >> c & 1u) != 0; k++) f->b.coef[c * count + k] = 0.0;
     if (f->none == (1u << n) - 1u) f->error = 0.0;
     measure(f);
 }
@@ -129,7 +129,6 @@ static kn_status slope(kn_ctx *ctx, factor *out, const factor *f, int var, doubl
     kn_status status = kn_bezier_derivative(ctx, &out->b, &f->b, var);
     if (status == KN_OK) status = kn_bezier_scale(ctx, &out->b, &out->b, 1.0 / width);
     if (status != KN_OK) return status;
-    measure(out);
     out->error = 1.001 * (2.0 * degree * f->error / width + kn_gamma(8.0) * 2.0 * degree * f->size / width);
     for (int e = 0; e < 6; e++) out->zero[e / 2][e % 2] = degree == 0 ? ALWAYS : 0;
     set_none(out, f->none | f->same.alike[var]);

@@ -192,6 +192,36 @@ static void random_boxes(void **state)
     test_ctx_end(ctx, &memory);
 }
 
+// A unit square with psi = (u - 1/2, 0, 0) w^k: det = 1 + w^k, over all heights up to 1000, from 1 up to 1e36.
+static void great_heights(void **state)
+{
+    (void)state;
+    test_memory memory = TEST_MEMORY_INIT;
+    kn_ctx *ctx = test_ctx(&memory, 1);
+    const double k[4] = {0, 0, 1, 1}, plane[12] = {0, 0, 1, 1, 0, 1, 0, 1}, field[12] = {-0.5, -0.5, 0.5, 0.5};
+    const double *knots[2] = {k, k};
+    const int degree[2] = {1, 1}, count[2] = {2, 2};
+    for (int power = 1; power <= 12; power++) {
+        kn_spline s = {0}, psi = {0};
+        assert_int_equal(kn_spline_init(ctx, &s, 2, 3, false, degree, count, knots, plane), KN_OK);
+        assert_int_equal(kn_spline_init(ctx, &psi, 2, 3, false, degree, count, knots, field), KN_OK);
+        kn_shell_options o = {.attraction = &psi, .attraction_power = power};
+        kn_shell *shell = create(ctx, &s, &o);
+        kn_fold_sign sign = over_heights(ctx, shell, 0.0, 1000.0);
+        assert_int_equal(sign.verdict, KN_FOLD_POSITIVE);
+        assert_true(fabs(sign.value - 1.0) < 1e-12 && sign.hi >= pow(1000.0, power) * (1.0 - 1e-12));
+        // Below: for odd powers det has a zero at -1, and all is decided on its far side.
+        assert_int_equal(over_heights(ctx, shell, -1000.0, -1.01).verdict,
+                         power % 2 ? KN_FOLD_NEGATIVE : KN_FOLD_POSITIVE);
+        assert_int_equal(over_heights(ctx, shell, -1.5, 1000.0).verdict,
+                         power % 2 ? KN_FOLD_MIXED : KN_FOLD_POSITIVE);
+        kn_shell_destroy(ctx, shell);
+        kn_spline_clear(ctx, &psi);
+        kn_spline_clear(ctx, &s);
+    }
+    test_ctx_end(ctx, &memory);
+}
+
 // Volumes: (u, v, w - w^2 / 2) has det 1 - w; in several spans of w.
 static void volume(void **state)
 {
@@ -278,10 +308,9 @@ static void allocation_failures(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(torus),         cmocka_unit_test(sphere),
-        cmocka_unit_test(apex),          cmocka_unit_test(teapot),
-        cmocka_unit_test(random_boxes),  cmocka_unit_test(volume),
-        cmocka_unit_test(bad_arguments), cmocka_unit_test(allocation_failures),
+        cmocka_unit_test(torus),  cmocka_unit_test(sphere),        cmocka_unit_test(apex),
+        cmocka_unit_test(teapot), cmocka_unit_test(random_boxes),  cmocka_unit_test(great_heights),
+        cmocka_unit_test(volume), cmocka_unit_test(bad_arguments), cmocka_unit_test(allocation_failures),
     };
     return cmocka_run_group_tests_name("fold/jacobian_sign", tests, NULL, NULL);
 }
