@@ -75,10 +75,10 @@ KN_API kn_shell_options kn_shell_defaults(void);
 //         a surface of zero area: the message says which), KN_EUNDEFINED (no normal at some point: the message names
 //         it, in the parameters and in space), KN_EUNDECIDED (normal_tol not met within max_spans, or below about
 //         1e-12, what rounding leaves; a surface so wild that the search for points without a normal, or meeting the
-//         tolerance, would take some seconds: 1e9 (1e-6 / normal_tol)^(1/3) multiply-adds, four times that with an exact
-//         direction, for each span of S and 1 more), KN_ELIMIT (more cells than max_spans, max_degree above 12, a degree p of S with 2 p - 1, of a
-//         rational S 3 p - 1, above KN_MAX_DEGREE - 3, with an exact direction above KN_MAX_DEGREE / 2 - 3: N and n
-//         are multiplied), KN_ENOMEM.
+//         tolerance, would take some seconds: 1e9 (1e-6 / normal_tol)^(1/3) multiply-adds, four times that with an
+//         exact direction, for each span of S and 1 more), KN_ELIMIT (more cells than max_spans, max_degree above
+//         12, a degree p of S with 2 p - 1, of a rational S 3 p - 1, above KN_MAX_DEGREE - 3, with an exact
+//         direction above KN_MAX_DEGREE / 2 - 3: N and n are multiplied), KN_ENOMEM.
 // error:  kn_shell_certificate bounds the whole of it; docs/normals.md.
 // cost:   about 20 us for each span of n and round of refinement, twice that with an exact direction; a patch of the
 //         Utah teapot at 1e-6: 3 to 150 ms.
