@@ -194,6 +194,43 @@ static void shared_edges(void **state)
     test_ctx_end(ctx, &memory);
 }
 
+// A sum of degrees that is kept, and what is taken instead of the tolerance; a message that tells both distances.
+static void limited(void **state)
+{
+    (void)state;
+    test_memory memory = TEST_MEMORY_INIT;
+    kn_ctx *ctx = test_ctx(&memory, 1);
+    kn_spline s = {0}, map = {0}, out = {0};
+    double error = -1, before = INFINITY;
+    fit_case c;
+    make(ctx, &s, &c, 0);
+    make_map(ctx, &map, &s, &c);
+    for (int sum = 6; sum <= 14; sum += 2) {
+        const kn_cells_fit_options o = {.tolerance = 1e-11, .at_most = 1, .degree_sum = sum};
+        assert_int_equal(kn_cells_fit(ctx, &out, &error, &s, &map, &o), KN_OK);
+        assert_true(out.degree[0] + out.degree[1] == sum && error > 1e-11 && error < before);
+        before = error;
+    }
+    assert_int_equal(kn_cells_fit(ctx, &out, &error, &s, &map, &(kn_cells_fit_options){.tolerance = 1, .at_most = 9}),
+                     KN_OK);
+    assert_true(out.degree[0] + out.degree[1] == 6 && error <= 1); // the tolerance is met at once
+    const kn_cells_fit_options bad[] = {{.tolerance = 1, .degree_sum = 5},
+                                        {.tolerance = 1, .at_most = -1},
+                                        {.tolerance = 1, .at_most = NAN},
+                                        {.tolerance = 1, .degree_sum = -1}};
+    for (int k = 0; k < 4; k++) {
+        assert_int_equal(kn_cells_fit(ctx, &out, &error, &s, &map, &bad[k]), KN_EDOMAIN);
+        kn_ctx_clear_error(ctx);
+    }
+    // between the largest sample and the bound: what is certain is not enough
+    assert_int_equal(kn_cells_fit(ctx, &out, &error, &s, &map, &(kn_cells_fit_options){.tolerance = 0.99 * before}),
+                     KN_EUNDECIDED);
+    assert_non_null(strstr(kn_ctx_message(ctx), "certainly within"));
+    kn_ctx_clear_error(ctx);
+    kn_spline_clear(ctx, &s), kn_spline_clear(ctx, &map), kn_spline_clear(ctx, &out);
+    test_ctx_end(ctx, &memory);
+}
+
 static int stop(void *user, const char *stage, double fraction)
 {
     (void)user, (void)stage, (void)fraction;
@@ -260,7 +297,8 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(bounds),       cmocka_unit_test(known_error), cmocka_unit_test(continuity),
-        cmocka_unit_test(shared_edges), cmocka_unit_test(fails),       cmocka_unit_test(memory_fails),
+        cmocka_unit_test(shared_edges), cmocka_unit_test(limited),     cmocka_unit_test(fails),
+        cmocka_unit_test(memory_fails),
     };
     return cmocka_run_group_tests_name("cells/fit", tests, NULL, NULL);
 }
