@@ -82,7 +82,7 @@ typedef struct kn_step_options {
 KN_API KN_CHECKED kn_status kn_step_sink(kn_ctx *ctx, kn_sink *out, const char *path, const kn_step_options *options);
 
 // Binary STL: single precision, triangles of which two corners then coincide left out. fails: also KN_ELIMIT (2^32
-// triangles).
+// triangles), KN_EDOMAIN a coordinate beyond single precision (the message names surface and cell).
 KN_API KN_CHECKED kn_status kn_stl_sink(kn_ctx *ctx, kn_sink *out, const char *path);
 
 // Wavefront OBJ with normals, positions in nine digits, a group for each part, and materials in an .mtl file beside

@@ -218,6 +218,15 @@ static void refusals(void **state)
     kn_ctx_clear_error(w.ctx);
     assert_int_equal(kn_obj_sink(w.ctx, &sink, w.library), KN_EDOMAIN); // its own materials
     kn_ctx_clear_error(w.ctx);
+    double *x = &w.patch[1].bezier.coef[0], kept = *x; // finite, but not in single precision
+    *x = 1e39;
+    assert_int_equal(kn_stl_sink(w.ctx, &sink, w.path), KN_OK);
+    assert_int_equal(test_feed(w.ctx, &sink, &w.tile.tile, &w.report, w.patch, 2, 1), KN_EDOMAIN);
+    assert_non_null(strstr(kn_ctx_message(w.ctx), "beyond single precision"));
+    kn_sink_close(w.ctx, &sink);
+    assert_null(test_read_file(w.path, NULL));
+    kn_ctx_clear_error(w.ctx);
+    *x = kept;
     w.patch[0].id.part = 2;
     assert_int_equal(kn_obj_sink(w.ctx, &sink, w.path), KN_OK);
     assert_int_equal(test_feed(w.ctx, &sink, &w.tile.tile, &w.report, w.patch, 1, 1), KN_EDOMAIN);
