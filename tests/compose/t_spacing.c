@@ -506,9 +506,104 @@ static void allocation(void **state)
     for (int k = 0; k < 2; k++) test_allocation_failures(plan_small, &options[k]);
 }
 
+// At the default limit of degrees: free corners, a constant thickness and the stretch leave room for the rest.
+static void within_degrees(void **state)
+{
+    (void)state;
+    test_memory memory = TEST_MEMORY_INIT;
+    kn_ctx *ctx = test_ctx(&memory, 2);
+    kn_model teapot = {0};
+    kn_spline torus = {0}, half = {0};
+    kn_tile tile = {0};
+    kn_job *job = NULL;
+    assert_int_equal(kn_read_bpt(ctx, &teapot, "data/teapot.bpt"), KN_OK);
+    assert_int_equal(kn_construct_torus(ctx, &torus, origin, axis, 3, 1), KN_OK); // a weight of degrees 2, 2
+    scene_dome(ctx, &tile);                                                       // of degree 2
+    kn_job_options o = {.size = {0.4, 0}, .normal_tol = 1e-3, .spacing = KN_CELLS_FREE};
+    make_job(ctx, &job, teapot.splines + 24, 1, &tile, &o);
+    const kn_spline *s = kn_shell_surface(kn_job_shell(job, 0));
+    kn_job_report report = kn_job_describe(job);
+    assert_true(s->degree[0] + s->degree[1] <= 25 / 2 && report.even_instead == 0);
+    assert_true(report.cells_error > 0 && report.cells_error <= 1e-3 * report.cell_size);
+    assert_true(report.degree[0] <= 25 && report.degree[1] <= 25);
+    kn_job_destroy(ctx, job);
+    o.cells_tol = 1e-14; // no fit: the surface stays as it is, and that is told
+    make_job(ctx, &job, teapot.splines + 24, 1, &tile, &o);
+    report = kn_job_describe(job);
+    s = kn_shell_surface(kn_job_shell(job, 0));
+    assert_true(report.even_instead == 1 && report.cells_error == 0 && s->degree[0] == 3 && s->degree[1] == 3);
+    kn_job_destroy(ctx, job);
+
+    static const double linear[] = {0, 0, 1, 1}, halves[] = {0.5, 0.5, 0.5, 0.5};
+    const double *knots[2] = {linear, linear};
+    assert_int_equal(kn_spline_init(ctx, &half, 2, 1, false, (const int[]){1, 1}, (const int[]){2, 2}, knots, halves),
+                     KN_OK);
+    for (int k = 0; k < 3; k++) { // half the thickness, the stretch, both
+        o = (kn_job_options){.count = {16, 12}, .height = 0.1, .normal_tol = 1e-3, .spacing = KN_CELLS_EVEN};
+        o.thickness = k != 1 ? &half : NULL, o.stretch = k > 0;
+        make_job(ctx, &job, &torus, 1, &tile, &o);
+        report = kn_job_describe(job);
+        assert_true(report.degree[0] <= 25 && report.degree[1] <= 25);
+        assert_true(k == 0 ? report.stretch_error == 0 : report.stretch_error > 0 && report.stretch_error < 0.2);
+        for (int i = 0; i < 192; i++) {
+            const kn_shell *shell = kn_job_shell(job, 0);
+            double u = parameter(job, 0, 0, i % 16 + 0.5), v = parameter(job, 0, 1, i / 16 + 0.5), a[3], b[3], up = 0;
+            assert_int_equal(kn_shell_eval(ctx, a, NULL, shell, u, v, 0), KN_OK);
+            assert_int_equal(kn_shell_eval(ctx, b, NULL, shell, u, v, 0.1), KN_OK);
+            for (int c = 0; c < 3; c++) up += (b[c] - a[c]) * (b[c] - a[c]);
+            // areas of equal cells are as the distances from the axis; du dv is within 4 % of theirs, as lines are even
+            double h = (k == 1 ? 1 : 0.5) * (k > 0 ? sqrt(hypot(a[0], a[1]) / 3) : 1);
+            assert_true(fabs(sqrt(up) / 0.1 / h - 1) <= report.stretch_error + (k > 0 ? 0.04 : 2e-3));
+        }
+        kn_job_destroy(ctx, job);
+    }
+    kn_spline_clear(ctx, &torus), kn_spline_clear(ctx, &half);
+    kn_tile_clear(ctx, &tile);
+    kn_model_clear(ctx, &teapot);
+    test_ctx_end(ctx, &memory);
+}
+
+// What is refused says which surface it is, what would help, and numbers that can be read.
+static void messages(void **state)
+{
+    (void)state;
+    test_memory memory = TEST_MEMORY_INIT;
+    kn_ctx *ctx = test_ctx(&memory, 1);
+    kn_spline s[2] = {{0}}, down = {0};
+    kn_tile tile = {0};
+    kn_job *job = NULL;
+    scene_bicubic(ctx, &s[0], 0.2);
+    scene_torus(ctx, &s[1]);
+    scene_dome(ctx, &tile);
+    kn_job_options o = {.size = {1e-300, 0}};
+    assert_int_equal(kn_job_create(ctx, &job, s, 2, &tile, &o), KN_ELIMIT);
+    assert_true(strlen(kn_ctx_message(ctx)) < 100);
+    kn_ctx_clear_error(ctx);
+    o = (kn_job_options){.count = {2, 2}, .max_degree = 20, .stretch = true};
+    assert_int_equal(kn_job_create(ctx, &job, s, 2, &tile, &o), KN_EDOMAIN); // the torus
+    assert_non_null(strstr(kn_ctx_message(ctx), "over surface 1"));
+    assert_non_null(strstr(kn_ctx_message(ctx), "a tile of degree 1 at most, or no stretch"));
+    kn_ctx_clear_error(ctx);
+    static const double linear[] = {0, 0, 1, 1}, sinks[] = {1, 1, 1, -1};
+    const double *knots[2] = {linear, linear};
+    assert_int_equal(kn_spline_init(ctx, &down, 2, 1, false, (const int[]){1, 1}, (const int[]){2, 2}, knots, sinks),
+                     KN_OK);
+    o = (kn_job_options){.count = {2, 2}, .thickness = &down};
+    assert_int_equal(kn_job_create(ctx, &job, s, 1, &tile, &o), KN_EDOMAIN);
+    assert_non_null(strstr(kn_ctx_message(ctx), "surface 0: shell: the thickness"));
+    kn_ctx_clear_error(ctx);
+    assert_true(job == NULL);
+    for (int k = 0; k < 2; k++) kn_spline_clear(ctx, &s[k]);
+    kn_spline_clear(ctx, &down);
+    kn_tile_clear(ctx, &tile);
+    test_ctx_end(ctx, &memory);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {cmocka_unit_test(even_cells),
+                                       cmocka_unit_test(within_degrees),
+                                       cmocka_unit_test(messages),
                                        cmocka_unit_test(neighbours_meet),
                                        cmocka_unit_test(smoothness_across_cells),
                                        cmocka_unit_test(rows_of_a_cone),
