@@ -27,7 +27,7 @@ typedef struct block {
 static block block_around(const kn_spline *s, const double *at)
 {
     block b = {{0}, {1, 1, 1}, 1};
-    for (int v = 0; v < s->nvars; v++) {
+    for (int v = 0; v < s->nvars && v < 3; v++) {
         b.side[v] = (size_t)s->degree[v] + 1;
         b.first[v] = (size_t)(kn_knots_span(s->knots[v], s->degree[v], s->count[v], at[v]) - s->degree[v]);
         b.n *= b.side[v];
@@ -197,7 +197,7 @@ static double knot_width(const kn_spline *s, int var, double x)
 static kn_status take_volume(kn_ctx *ctx, kn_box_map *map, const kn_shell *s, const double lo[3], const double hi[3])
 {
     kn_spline part = {0};
-    double vector, weight, middle[3];
+    double vector, weight, middle[3] = {0};
     map->nvars = 3, map->nterms = 1;
     for (int v = 0; v < 3; v++) {
         double a, b;

@@ -49,7 +49,7 @@ static void torus(void **state)
     const double center[3] = {0, 0, 0}, axis[3] = {0, 0, 1};
     kn_spline s = {0};
     assert_int_equal(kn_construct_torus(ctx, &s, center, axis, 3.0, 0.8), KN_OK);
-    kn_shell_options o = {.normal_tol = 1e-5};
+    kn_shell_options o = {.normal_tol = 1e-4};
     kn_shell *shell = create(ctx, &s, &o);
     assert_int_equal(over_heights(ctx, shell, -0.79, 2.19).verdict, KN_FOLD_POSITIVE);
     assert_int_equal(over_heights(ctx, shell, 0.0, 2.21).verdict, KN_FOLD_MIXED);
