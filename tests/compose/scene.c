@@ -192,3 +192,27 @@ void scene_result_clear(scene_result *result)
     free(result->patches);
     *result = (scene_result){0};
 }
+
+void scene_run(kn_ctx *ctx, const kn_job *job, scene_result *r)
+{
+    kn_sink sink = scene_sink(r);
+    if (kn_job_run(ctx, job, &sink, 1) != KN_OK) fail_msg("%s", kn_ctx_message(ctx));
+    assert_int_equal(r->begun, 1);
+    assert_int_equal(r->ended, 1);
+    kn_sink_close(ctx, &sink);
+    assert_int_equal(r->closed, 1);
+}
+
+long double scene_parameter(const kn_job *job, int surface, int var, long double cells)
+{
+    const double *line = kn_job_lines(job, surface, var);
+    int count[2];
+    bool closed[2];
+    kn_shell_cells(kn_job_shell(job, surface), count);
+    kn_shell_closed(kn_job_shell(job, surface), closed);
+    int n = count[var];
+    if (closed[var]) cells -= n * floorl(cells / n);
+    int i = (int)floorl(cells);
+    i = i < 0 ? 0 : i > n - 1 ? n - 1 : i;
+    return line[i] + (cells - i) * ((long double)line[i + 1] - line[i]);
+}

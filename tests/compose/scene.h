@@ -31,5 +31,12 @@ typedef struct scene_result {
 } scene_result;
 kn_sink scene_sink(scene_result *result);
 void scene_result_clear(scene_result *result);
+// Runs the job into such a sink, which has to begin, end and be closed once.
+void scene_run(kn_ctx *ctx, const kn_job *job, scene_result *r);
+
+// ---- jobs ----
+// The parameter that lies so many cells from the corner of cell 0 of a surface of the job, wrapped where the shell is
+// closed; beyond open ends the last cell goes on.
+long double scene_parameter(const kn_job *job, int surface, int var, long double cells);
 
 #endif

@@ -88,21 +88,6 @@ static void eval_base(long double s[3], long double n[3], const base *b, const l
     for (int c = 0; c < 3; c++) n[c] /= sqrtl(length);
 }
 
-// Cells from the corner of cell 0 to a parameter, wrapped where the shell is closed.
-static long double parameter(const kn_job *job, int surface, int var, long double cells)
-{
-    const double *line = kn_job_lines(job, surface, var);
-    int count[2];
-    bool closed[2];
-    kn_shell_cells(kn_job_shell(job, surface), count);
-    kn_shell_closed(kn_job_shell(job, surface), closed);
-    int n = count[var];
-    if (closed[var]) cells -= n * floorl(cells / n);
-    int i = (int)floorl(cells);
-    i = i < 0 ? 0 : i > n - 1 ? n - 1 : i;
-    return line[i] + (cells - i) * ((long double)line[i + 1] - line[i]);
-}
-
 // Every `stride`-th patch of a job at random (r, t) against S + w n: within the certificate times |w|, for n, and
 // 1e-12 of the size of the coordinates, for rounding.
 static void check_against_direct(kn_ctx *ctx, const kn_job *job, const kn_spline *surfaces, const scene_result *r,
@@ -121,7 +106,7 @@ static void check_against_direct(kn_ctx *ctx, const kn_job *job, const kn_spline
             long double uvw[3][4], got[3][4], at[2], s[3], n[3];
             eval_piece(uvw, &d, x);
             eval_piece(got, &p->bezier, x);
-            for (int v = 0; v < 2; v++) at[v] = parameter(job, place.surface, v, place.cell[v] + uvw[0][v]);
+            for (int v = 0; v < 2; v++) at[v] = scene_parameter(job, place.surface, v, place.cell[v] + uvw[0][v]);
             eval_base(s, n, &b, at);
             long double error = 0, size = 0, w = uvw[0][2];
             for (int c = 0; c < 3; c++) {
@@ -162,16 +147,6 @@ static void check_report(const kn_job *job, const scene_result *r)
     assert_true((report.stand_in_error == 0) == (exact == r->count));
 }
 
-static void run_job(kn_ctx *ctx, const kn_job *job, scene_result *r)
-{
-    kn_sink sink = scene_sink(r);
-    assert_int_equal(kn_job_run(ctx, job, &sink, 1), KN_OK);
-    assert_int_equal(r->begun, 1);
-    assert_int_equal(r->ended, 1);
-    kn_sink_close(ctx, &sink);
-    assert_int_equal(r->closed, 1);
-}
-
 static void try_scene(const kn_job_options *o, void (*make_base)(kn_ctx *, kn_spline *),
                       void (*make_tile)(kn_ctx *, kn_tile *))
 {
@@ -185,7 +160,7 @@ static void try_scene(const kn_job_options *o, void (*make_base)(kn_ctx *, kn_sp
     make_base(ctx, &s);
     make_tile(ctx, &tile);
     if (kn_job_create(ctx, &job, &s, 1, &tile, o) != KN_OK) fail_msg("%s", kn_ctx_message(ctx));
-    run_job(ctx, job, &r);
+    scene_run(ctx, job, &r);
     assert_int_equal(kn_job_describe(job).nsurfaces, 1);
     check_report(job, &r);
     check_against_direct(ctx, job, &s, &r, &rng, 1);
@@ -351,7 +326,7 @@ static void teapot(void **state)
     assert_true(pairs >= 32);
     kn_job_report report = kn_job_describe(job);
     assert_true(report.cell_size > 0.3 && report.cell_size < 1.2);
-    run_job(ctx, job, &r);
+    scene_run(ctx, job, &r);
     check_report(job, &r);
     check_against_direct(ctx, job, model.splines, &r, &rng, 1 + r.count / 60);
     scene_result_clear(&r);
@@ -392,7 +367,7 @@ static void same_for_any_threads(void **state)
         scene_strip(ctx, &tile);
         kn_job_options o = {.count = {9, 8}, .height = 0.1, .normal_tol = 1e-4};
         assert_int_equal(kn_job_create(ctx, &job, s, 2, &tile, &o), KN_OK);
-        run_job(ctx, job, &r);
+        scene_run(ctx, job, &r);
         if (threads == 1) first = hash(&r);
         assert_true(hash(&r) == first);
         scene_result_clear(&r);
@@ -420,7 +395,7 @@ static void matrix_equals_symbolic(void **state)
             kn_job *job = NULL;
             kn_job_options o = {.count = {5, 4}, .height = 0.2, .normal_tol = 1e-4, .symbolic = k == 1};
             assert_int_equal(kn_job_create(ctx, &job, &s, 1, &tile, &o), KN_OK);
-            run_job(ctx, job, &r[k]);
+            scene_run(ctx, job, &r[k]);
             kn_job_destroy(ctx, job);
         }
         assert_int_equal(r[0].count, r[1].count);
@@ -471,7 +446,7 @@ static void exact_cells_share_edges(void **state)
     kn_job_options o = {.count = {3, 4}, .height = 0.2, .normal_tol = 1e-3};
     assert_int_equal(kn_job_create(ctx, &job, &s, 1, &tile, &o), KN_OK);
     assert_int_equal(kn_job_describe(job).exact_patches, 3 * 4 * 4);
-    run_job(ctx, job, &r);
+    scene_run(ctx, job, &r);
     assert_int_equal(r.count, 48);
     int alone = 0;
     for (size_t i = 0; i < r.count; i++)
@@ -568,7 +543,7 @@ static void tiles_continue_on_the_neighbour(void **state)
         assert_int_equal(kn_job_create(ctx, &job, squares, 2, &strip,
                                        &(kn_job_options){.count = {2, 2}, .height = 0.125, .normal_tol = 1e-9}),
                          KN_OK);
-        run_job(ctx, job, &r);
+        scene_run(ctx, job, &r);
         int beyond = 0;
         for (size_t i = 0; i < r.count; i++) {
             const kn_patch *p = &r.patches[i];
@@ -612,7 +587,7 @@ static void builtin_tiles(void **state)
         assert_int_equal(kn_builtin_tile(ctx, &tile, kn_builtin_tile_name(i)), KN_OK);
         kn_job_options o = {.count = {2, 2}, .normal_tol = 1e-4};
         if (kn_job_create(ctx, &job, &s, 1, &tile, &o) != KN_OK) fail_msg("%s: %s", tile.name, kn_ctx_message(ctx));
-        run_job(ctx, job, &r);
+        scene_run(ctx, job, &r);
         check_report(job, &r);
         check_against_direct(ctx, job, &s, &r, &rng, 1 + r.count / 40);
         scene_result_clear(&r);

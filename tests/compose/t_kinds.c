@@ -51,21 +51,6 @@ static void run_end(run *r)
     test_ctx_end(r->ctx, &r->memory);
 }
 
-// The parameter that lies so many cells from the corner of cell 0; beyond the ends the last cell goes on.
-static double parameter(const kn_job *job, int surface, int var, double cells)
-{
-    const double *line = kn_job_lines(job, surface, var);
-    int count[2];
-    bool closed[2];
-    kn_shell_cells(kn_job_shell(job, surface), count);
-    kn_shell_closed(kn_job_shell(job, surface), closed);
-    int n = count[var];
-    if (closed[var]) cells -= n * floor(cells / n);
-    int i = (int)floor(cells);
-    i = i < 0 ? 0 : i > n - 1 ? n - 1 : i;
-    return line[i] + (cells - i) * (line[i + 1] - line[i]);
-}
-
 // T at (u, v, w) of a surface of the job, and how far the composed patch may be from it.
 typedef void (*direct)(double t[3], double *bound, const run *r, int surface, const double at[2], double w,
                        const void *user);
@@ -89,7 +74,8 @@ static void check(run *r, direct t_of, const void *user, size_t stride, double s
                    bound = 0;
             assert_int_equal(kn_bezier_eval(r->ctx, uvw, &d, x), KN_OK);
             assert_int_equal(kn_bezier_eval(r->ctx, got, &p->bezier, x), KN_OK);
-            for (int v = 0; v < 2; v++) at[v] = parameter(r->job, place.surface, v, place.cell[v] + uvw[v]);
+            for (int v = 0; v < 2; v++)
+                at[v] = (double)scene_parameter(r->job, place.surface, v, place.cell[v] + uvw[v]);
             t_of(t, &bound, r, place.surface, at, uvw[2], user);
             if (!(distance(got, t) <= bound + 1e-12 * size))
                 fail_msg("patch %zu is off by %g, not %g", i, distance(got, t), bound);

@@ -17,13 +17,6 @@ static void make_job(kn_ctx *ctx, kn_job **job, const kn_spline *s, int n, const
     if (kn_job_create(ctx, job, s, n, tile, o) != KN_OK) fail_msg("%s", kn_ctx_message(ctx));
 }
 
-static void run_job(kn_ctx *ctx, const kn_job *job, scene_result *r)
-{
-    kn_sink sink = scene_sink(r);
-    if (kn_job_run(ctx, job, &sink, 1) != KN_OK) fail_msg("%s", kn_ctx_message(ctx));
-    kn_sink_close(ctx, &sink);
-}
-
 static double ratio(const kn_cells_range *r)
 {
     return r->max / r->min;
@@ -43,16 +36,6 @@ static void direct(kn_ctx *ctx, double point[3], double normal[3], const kn_spli
     for (int c = 0; c < 3; c++) normal[c] /= sqrt(length);
 }
 
-static double parameter(const kn_job *job, int surface, int var, double cells)
-{
-    const double *line = kn_job_lines(job, surface, var);
-    int n[2];
-    kn_shell_cells(kn_job_shell(job, surface), n);
-    int i = (int)floor(cells);
-    i = i < 0 ? 0 : i > n[var] - 1 ? n[var] - 1 : i;
-    return line[i] + (cells - i) * (line[i + 1] - line[i]);
-}
-
 // Every stride-th patch of a tile within its cells, at random parameters, against S + w n: within the certificate
 // times |w|, and 1e-12 of coordinates below 10 for rounding.
 static void check_patches(kn_ctx *ctx, const kn_job *job, const scene_result *r, size_t stride)
@@ -68,7 +51,7 @@ static void check_patches(kn_ctx *ctx, const kn_job *job, const scene_result *r,
         assert_int_equal(kn_job_source(ctx, &d, &place, job, &p->id), KN_OK);
         assert_int_equal(kn_bezier_eval(ctx, uvw, &d, x), KN_OK);
         assert_int_equal(kn_bezier_eval(ctx, is, &p->bezier, x), KN_OK);
-        for (int v = 0; v < 2; v++) at[v] = parameter(job, place.surface, v, place.cell[v] + uvw[v]);
+        for (int v = 0; v < 2; v++) at[v] = (double)scene_parameter(job, place.surface, v, place.cell[v] + uvw[v]);
         direct(ctx, s, n, kn_shell_surface(kn_job_shell(job, place.surface)), at);
         double off = 0;
         for (int c = 0; c < 3; c++) off += pow(is[c] - s[c] - uvw[2] * n[c], 2);
@@ -94,7 +77,7 @@ static void compare(kn_ctx *ctx, const kn_spline *s, int n, double size, kn_cell
     *after = kn_job_describe(job).spread;
     assert_int_equal(before->cells, after->cells);
     scene_result r;
-    run_job(ctx, job, &r);
+    scene_run(ctx, job, &r);
     check_patches(ctx, job, &r, 1 + r.count / 200);
     scene_result_clear(&r);
     kn_job_destroy(ctx, job);
@@ -199,7 +182,7 @@ static void neighbours_meet(void **state)
             assert_int_equal(kn_spline_eval(ctx, curve + 3 * q, &s[0], at), KN_OK);
         }
         make_job(ctx, &job, s, 2, &tile, &(kn_job_options){.size = {0.4, 0}, .height = 0.05, .normal_tol = 2e-2});
-        run_job(ctx, job, &r);
+        scene_run(ctx, job, &r);
         size_t n[2];
         for (int side = 0; side < 2; side++) n[side] = edge_points(ctx, p[side], &r, side, curve, SAMPLES, 2e-3);
         assert_true(n[0] == n[1] && n[0] >= 40 && n[0] < ROOM);
@@ -269,7 +252,7 @@ static void smoothness_across_cells(void **state)
         kn_job_options o = {.count = {N, 1}, .height = 1, .normal_tol = 1e-9, .max_degree = 40};
         o.spacing = k < 2 ? KN_CELLS_EVEN : KN_CELLS_UNIFORM;
         make_job(ctx, &job, &s, 1, &tile, &o);
-        run_job(ctx, job, &r);
+        scene_run(ctx, job, &r);
         assert_int_equal(r.count, N);
         const double *line = kn_job_lines(job, 0, 0);
         for (int i = 0; i + 1 < N; i++) {
@@ -313,7 +296,7 @@ static void rows_of_a_cone(void **state)
     assert_true(report.nparts > 2 && report.nsurfaces == 1);
     assert_true(ratio(&before.width) > 6 && ratio(&report.spread.width) < 2.1);
     assert_true(ratio(&before.area) > 6 && ratio(&report.spread.area) < 2.1);
-    run_job(ctx, job, &r);
+    scene_run(ctx, job, &r);
     check_patches(ctx, job, &r, 3);
     for (size_t i = 0; i < r.count; i++)
         for (size_t j = 0; j < i; j++)
@@ -394,7 +377,8 @@ static void heights_by_stretch(void **state)
         assert_true(report.stretch_error > 0 && report.stretch_error < 0.03);
         for (int j = 0; j < n[1]; j++) {
             // at the middle of a cell: its area is that of a strip of the cone, equal in each row
-            double u = parameter(job, 0, 0, 0.5), v = parameter(job, 0, 1, j + 0.5), s[3], t[3], up = 0;
+            double u = (double)scene_parameter(job, 0, 0, 0.5), v = (double)scene_parameter(job, 0, 1, j + 0.5), s[3],
+                   t[3], up = 0;
             assert_int_equal(kn_shell_eval(ctx, s, NULL, shell, u, v, 0), KN_OK);
             assert_int_equal(kn_shell_eval(ctx, t, NULL, shell, u, v, 0.1), KN_OK);
             for (int c = 0; c < 3; c++) up += (t[c] - s[c]) * (t[c] - s[c]);
@@ -448,7 +432,7 @@ static void free_corners(void **state)
     kn_shell_cells(kn_job_shell(job, 0), n);
     for (int d = 0; d < 2; d++)
         for (int i = 0; i <= n[d]; i++) assert_true(kn_job_lines(job, 0, d)[i] == i);
-    run_job(ctx, job, &r);
+    scene_run(ctx, job, &r);
     check_patches(ctx, job, &r, 2);
     // the corners of the domain stay
     double a[3], b[3];
@@ -547,7 +531,8 @@ static void within_degrees(void **state)
         assert_true(k == 0 ? report.stretch_error == 0 : report.stretch_error > 0 && report.stretch_error < 0.2);
         for (int i = 0; i < 192; i++) {
             const kn_shell *shell = kn_job_shell(job, 0);
-            double u = parameter(job, 0, 0, i % 16 + 0.5), v = parameter(job, 0, 1, i / 16 + 0.5), a[3], b[3], up = 0;
+            double u = (double)scene_parameter(job, 0, 0, i % 16 + 0.5),
+                   v = (double)scene_parameter(job, 0, 1, i / 16 + 0.5), a[3], b[3], up = 0;
             assert_int_equal(kn_shell_eval(ctx, a, NULL, shell, u, v, 0), KN_OK);
             assert_int_equal(kn_shell_eval(ctx, b, NULL, shell, u, v, 0.1), KN_OK);
             for (int c = 0; c < 3; c++) up += (b[c] - a[c]) * (b[c] - a[c]);
