@@ -234,6 +234,7 @@ static void make_ticks(const check *c, tick out[TICKS])
 static const char *quantity(const check *c)
 {
     if (c->by_jacobian) return "Least Jacobian, share of the base's";
+    if (isfinite(c->shells[0].heights[1])) return "Safe height above the lower face";
     if (c->range[0] < 0 && c->range[1] > 0) return "Safe height, both sides";
     return c->range[0] < 0 ? "Safe height below the base" : "Safe height above the base";
 }
@@ -287,8 +288,9 @@ static kn_status draw_legend(kn_ctx *ctx, const check *c, uint8_t *rgb, int widt
     }
     snprintf(title, sizeof title, "%s%s%s%s", quantity(c), c->by_jacobian ? "" : " (", c->by_jacobian ? "" : unit,
              c->by_jacobian ? "" : ")");
-    snprintf(subtitle, sizeof subtitle, "%.80s%s%.40s", slash ? slash + 1 : c->job.base, c->job.tile ? ", " : "",
-             c->job.tile ? c->job.tile : "");
+    const char *part = isfinite(c->shells[0].heights[1]) ? ", the lower face of the volume" : "";
+    snprintf(subtitle, sizeof subtitle, "%.80s%s%s%.40s", slash ? slash + 1 : c->job.base, part,
+             c->job.tile ? ", " : "", c->job.tile ? c->job.tile : "");
     snprintf(mark_text, sizeof mark_text, c->by_jacobian ? "folds" : "asked for: %.3g %s", asked(c), unit);
     kn_legend_tick mark = {0.5, mark_text};
     return kn_legend_draw(ctx, rgb, width, height,
@@ -310,7 +312,7 @@ static kn_status write_picture(kn_ctx *ctx, const check *c, const kn_scene *scen
     kn_render_options o = kn_render_defaults();
     o.width = width;
     o.height = top;
-    o.samples = 48; // a matt body, where speckles would be read as values
+    o.samples = 16; // a matt body under broad lights needs few
     o.bounces = 1;
     o.exposure = 0.1;
     kn_status status = kn_render(ctx, rgb, scene, &o);

@@ -128,7 +128,10 @@ static void fields_that_do_not_fit(void **state)
     assert_int_equal(run("apply '%s' --tile bump --dry-run --count 1 --thickness '%s'", base, path), 0);
     assert_int_equal(run("apply '%s' --tile bump --dry-run --count 1 --direction '%s'", base, path), 3);
     assert_non_null(strstr(complained, "3 components"));
-    assert_int_equal(run("apply '%s' --tile bump --dry-run --count 1 --thickness -1", base), 3);
+    assert_int_equal(run("apply '%s' --tile bump --dry-run --count 1 --thickness -1", base), 2);
+    assert_int_equal(run("apply '%s' --tile bump --dry-run --direction 0,0,0", base), 2);
+    assert_int_equal(run("apply '%s' --tile bump --dry-run --direction 0,0,1 --normal fitted", base), 2);
+    assert_int_equal(run("apply '%s' --tile bump --dry-run --attraction-power 3", base), 2);
     assert_int_equal(run("apply '%s' --tile bump --dry-run --attraction-power 0", base), 2);
 }
 

@@ -34,6 +34,19 @@ static void write_torus(char path[PATH_BYTES])
     test_ctx_end(ctx, &memory);
 }
 
+// Of radius 1 and height 3.
+static void write_cylinder(char path[PATH_BYTES])
+{
+    test_memory memory = TEST_MEMORY_INIT;
+    kn_ctx *ctx = test_ctx(&memory, 1);
+    kn_spline s = {0};
+    assert_int_equal(kn_construct_cylinder(ctx, &s, origin, (const double[3]){0, 0, 3}, 1), KN_OK);
+    test_tmp_path(path, "cylinder.g2");
+    write_g2(path, &s);
+    kn_spline_clear(ctx, &s);
+    test_ctx_end(ctx, &memory);
+}
+
 // Unit squares: one looks up at z = 0, the other down at z = 1, with u the other way round, both over [0,1]^2.
 static const char facing[] = "200 1 0 0\n3 0\n2 2\n0 0 1 1\n2 2\n0 0 1 1\n0 0 0\n1 0 0\n0 1 0\n1 1 0\n"
                              "200 1 0 0\n3 0\n2 2\n0 0 1 1\n2 2\n0 0 1 1\n1 0 1\n0 0 1\n1 1 1\n0 1 1\n";
@@ -75,17 +88,16 @@ static void safe_heights_of_a_torus(void **state)
     (void)state;
     char path[PATH_BYTES];
     write_torus(path);
-    assert_int_equal(run("check '%s' --height 0.5 --side both --json --work 1", path),
-                     4); // nothing global is certified
+    assert_int_equal(run("check '%s' --height 0.3 --side both --json", path), 0); // the tube has room for 1
     json_t *r = printed_json();
     assert_safe(number(get(r, "safe_height"), "above"), 2);
     assert_safe(number(get(r, "safe_height"), "below"), 1);
     assert_string_equal(verdict(get(r, "jacobian")), "positive");
     assert_true(number(get(r, "jacobian"), "min") > 0);
-    assert_true(element(r, "range", 0) == -0.5 && element(r, "range", 1) == 0.5);
+    assert_true(element(r, "range", 0) == -0.3 && element(r, "range", 1) == 0.3);
     assert_int_equal(number(r, "folding_cells"), 0);
-    assert_string_equal(verdict(json_array_get(get(r, "global"), 0)), "undecided");
-    assert_true(json_is_false(get(r, "passed")));
+    assert_string_equal(verdict(json_array_get(get(r, "global"), 0)), "none");
+    assert_true(json_is_true(get(r, "passed")));
 
     // The worst cells come first: on both sides the limit below is nearer, and where it is the point lies on the torus.
     json_t *worst = json_array_get(get(r, "local"), 0);
@@ -101,7 +113,7 @@ static void too_deep_is_4_and_says_what_to_do(void **state)
     (void)state;
     char path[PATH_BYTES];
     write_torus(path);
-    assert_int_equal(run("check '%s' --height -1.5 --work 1 --json", path), 4);
+    assert_int_equal(run("check '%s' --height -1.5 --json --work 1", path), 4); // whatever else: it folds
     json_t *r = printed_json();
     assert_string_equal(verdict(get(r, "jacobian")), "mixed");
     assert_true(number(get(r, "jacobian"), "min") < 0);
@@ -169,19 +181,82 @@ static void local_heights_with_a_tile(void **state)
 {
     (void)state;
     char path[PATH_BYTES];
-    write_torus(path);
-    assert_int_equal(run("check '%s' --tile bump --count 8 --normal-tol 1e-3 --height -0.5 --work 1 --json", path),
-                     4);
+    write_cylinder(path);
+    assert_int_equal(run("check '%s' --tile bump --count 8,2 --normal-tol 1e-3 --height -0.5 --json", path), 0);
     json_t *r = printed_json();
     assert_string_equal(verdict(get(r, "jacobian")), "positive");
-    assert_int_equal(number(r, "cells"), 64);
+    assert_int_equal(number(r, "cells"), 16);
+    assert_true(number(get(r, "jacobian"), "min") >= 0); // over what the tile occupies, as the verdict
     assert_true(element(r, "range", 0) > -0.55 && element(r, "range", 1) < 0.05);
     json_decref(r);
-    assert_int_equal(run("check '%s' --tile bump --count 8 --normal-tol 1e-3 --height -1.5 --work 1 --json", path),
+    assert_int_equal(run("check '%s' --tile bump --count 8,2 --normal-tol 1e-3 --height -1.5 --work 1 --json", path),
                      4);
     r = printed_json();
     assert_string_equal(verdict(get(r, "jacobian")), "mixed");
     assert_true(number(r, "folding_cells") > 0);
+    assert_true(number(get(r, "jacobian"), "min") < 0);
+    json_decref(r);
+}
+
+// The thorn's sheet has no height of its own: with an offset, on both sides and in volumes it is a region all the same.
+static void flat_patches(void **state)
+{
+    (void)state;
+    static const char *const where[] = {"--height 0.2", "--height 0.2 --offset 0.1", "--height 0.2 --side both",
+                                        "--height 0.2 --side below"};
+    // Of the tile's heights: from the sheet at 0 (both: -1) to a tip between w = 0.5 and 1.5.
+    static const double lo[] = {0, 0.1, -0.2, -0.3}, hi[] = {0.3, 0.4, 0.4, 0};
+    char square[PATH_BYTES], block[PATH_BYTES];
+    test_tmp_path(square, "square.g2");
+    write_text(square, "200 1 0 0\n3 0\n2 2\n0 0 1 1\n2 2\n0 0 1 1\n0 0 0\n9 0 0\n0 9 0\n9 9 0\n");
+    test_tmp_path(block, "block.g2");
+    write_text(block, "700 1 0 0\n3 0\n2 2\n0 0 1 1\n2 2\n0 0 1 1\n2 2\n0 0 1 1\n"
+                      "0 0 0\n5 0 0\n0 5 0\n5 5 0\n0 0 1\n5 0 1\n0 5 1\n5 5 1\n");
+    for (int i = 0; i < 4; i++) {
+        assert_int_equal(run("check '%s' --tile thorn --count 2 %s --json", square, where[i]), 0);
+        json_t *r = printed_json();
+        double from = element(r, "range", 0), to = element(r, "range", 1);
+        assert_true(from >= lo[i] && to <= hi[i] && to - from > 0.1);
+        assert_true(from == 0 || fabs(from) > 1e-6); // no rounding of 0
+        json_decref(r);
+    }
+    assert_int_equal(run("check '%s' --tile thorn --count 1", square), 0);
+    assert_int_equal(run("check '%s' --tile bump --count 4", block), 0);
+    assert_int_equal(run("check '%s' --tile bump --count 4 --height 0.5", block), 0);
+}
+
+// Every failure has advice that can be followed.
+static void advice(void **state)
+{
+    (void)state;
+    char path[PATH_BYTES];
+    write_cylinder(path);
+    assert_int_equal(run("check '%s' --height -0.3 --offset -1.2", path), 4); // beyond the axis, whatever the height
+    assert_non_null(strstr(printed, "lower the offset: "));
+    assert_int_equal(run("check '%s' --height -0.6 --offset -0.6", path), 4);
+    assert_non_null(strstr(printed, "lower the height: "));
+    test_tmp_path(path, "square.g2");
+    write_text(path, "200 1 0 0\n3 0\n2 2\n0 0 1 1\n2 2\n0 0 1 1\n0 0 0\n9 0 0\n0 9 0\n9 9 0\n");
+    assert_int_equal(run("check '%s' --height 1 --direction 0,0,-1", path), 4);
+    assert_non_null(strstr(printed, "the direction points below the base"));
+}
+
+static void a_recipe(void **state)
+{
+    (void)state;
+    char base[PATH_BYTES], recipe[PATH_BYTES];
+    write_cylinder(base);
+    test_tmp_path(recipe, "recipe.json");
+    char text[PATH_BYTES + 256];
+    snprintf(text, sizeof text,
+             "{\"format\": 1, \"base\": \"%s\", \"normal_tol\": 1e-3,"
+             " \"layers\": [{\"tile\": \"thorn\", \"count\": [8, 2], \"height\": -1.5}]}",
+             base);
+    write_text(recipe, text); // a thorn that comes from all around beyond the axis folds
+    assert_int_equal(run("check '%s' --json --work 1", recipe), 4);
+    json_t *r = printed_json();
+    assert_string_equal(json_string_value(get(r, "tile")), "thorn");
+    assert_int_equal(number(r, "cells"), 16);
     json_decref(r);
 }
 
@@ -213,17 +288,16 @@ static void thickness_counts(void **state)
 {
     (void)state;
     char path[PATH_BYTES], field[PATH_BYTES];
-    write_torus(path);
-    assert_int_equal(run("check '%s' --height 0.4 --thickness 2 --work 1 --json", path), 4);
+    write_cylinder(path);
+    assert_int_equal(run("check '%s' --height -0.4 --thickness 2 --json", path), 0);
     json_t *r = printed_json();
-    assert_safe(number(get(r, "safe_height"), "above"), 1);
     assert_safe(number(get(r, "safe_height"), "below"), 0.5);
     json_decref(r);
     test_tmp_path(field, "thickness.g2");
     write_text(field, "200 1 0 0\n1 0\n2 2\n0 0 1 1\n2 2\n0 0 5 5\n2\n2\n2\n2\n");
-    assert_int_equal(run("check '%s' --height 0.4 --thickness '%s' --work 1 --json", path, field), 4);
+    assert_int_equal(run("check '%s' --height -0.4 --thickness '%s' --json", path, field), 0);
     r = printed_json();
-    assert_safe(number(get(r, "safe_height"), "above"), 1);
+    assert_safe(number(get(r, "safe_height"), "below"), 0.5);
     json_decref(r);
 }
 
@@ -310,6 +384,10 @@ static void usage_errors(void **state)
     assert_int_equal(run("check data/teapot.bpt --height 1 --work 0"), 2);
     assert_int_equal(run("check data/teapot.bpt --height 1 --pixels 10"), 2);
     assert_int_equal(run("check data/teapot.bpt data/teapot.bpt --height 1"), 2);
+    assert_int_equal(run("check data/teapot.bpt --height 1 --direction 0,0,0"), 2);
+    assert_int_equal(run("check data/teapot.bpt --height 1 --direction 0,0,1 --normal fitted"), 2);
+    assert_int_equal(run("check data/teapot.bpt --height 1 --attraction-power 3"), 2);
+    assert_int_equal(run("check data/teapot.bpt --height 1 --thickness 0"), 2);
     assert_int_equal(run("check data/teapot.bpt --height 1 -o x.stl"), 2);
     assert_non_null(strstr(complained, ".glb"));
     assert_string_equal(printed, "");
@@ -327,6 +405,10 @@ static void bad_input_is_3(void **state)
     assert_non_null(strstr(complained, "cusp.g2: surface 0: "));
     assert_int_equal(strchr(complained, '\n') - complained, strlen(complained) - 1); // one line
     assert_int_equal(run("check data/teapot.bpt --height 1 --thickness /nonexistent/x.g2"), 3);
+    test_tmp_path(path, "none.g2"); // a thickness that falls to 0: the message names its file
+    write_text(path, "200 1 0 0\n1 0\n2 2\n0 0 1 1\n2 2\n0 0 1 1\n0\n1\n0\n1\n");
+    assert_int_equal(run("check data/teapot.bpt --height 1 --thickness '%s'", path), 3);
+    assert_non_null(strstr(complained, "none.g2"));
     write_text(path, "100 1 0 0\n3 0\n2 2\n0 0 1 1\n0 0 0\n1 0 0\n");
     assert_int_equal(run("check data/teapot.bpt --height 1 --direction '%s'", path), 3);
     assert_non_null(strstr(complained, "--direction: "));
@@ -367,6 +449,9 @@ int main(void)
         cmocka_unit_test(sheets_that_face_each_other),
         cmocka_unit_test(only_the_region_of_the_tile_counts),
         cmocka_unit_test(local_heights_with_a_tile),
+        cmocka_unit_test(flat_patches),
+        cmocka_unit_test(advice),
+        cmocka_unit_test(a_recipe),
         cmocka_unit_test(volumes),
         cmocka_unit_test(thickness_counts),
         cmocka_unit_test(a_scene_with_colors),
