@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // kn_cells_fit: its bound against samples and against a known difference, how smooth it is, edges, every failure.
+#include "tests/cells/scene.h"
 #include "tests/support/support.h"
 
 #include <knurl/compose.h>
@@ -10,21 +11,11 @@
 
 static const double origin[3] = {0}, axis[3] = {0, 0, 2};
 
-// A bicubic height field with knots at quarters, C2.
-static void hills(kn_ctx *ctx, kn_spline *out)
+// A height field.
+static void hills(double p[3], double u, double v)
 {
-    const double knots[] = {0, 0, 0, 0, 0.25, 0.5, 0.75, 1, 1, 1, 1};
-    const double *both[2] = {knots, knots};
-    double coef[3 * 49];
-    for (int i = 0; i < 7; i++)
-        for (int j = 0; j < 7; j++) {
-            double u = i / 6.0, v = j / 6.0;
-            coef[7 * i + j] = u + 0.2 * u * (1 - u) * v;
-            coef[49 + 7 * i + j] = v;
-            coef[98 + 7 * i + j] = 0.2 * sin(5 * u) * cos(4 * v);
-        }
-    assert_int_equal(kn_spline_init(ctx, out, 2, 3, false, (const int[]){3, 3}, (const int[]){7, 7}, both, coef),
-                     KN_OK);
+    p[0] = u + 0.2 * u * (1 - u) * v, p[1] = v;
+    p[2] = 0.2 * sin(5 * u) * cos(4 * v);
 }
 
 enum { CASES = 7 };
@@ -43,7 +34,7 @@ static void make(kn_ctx *ctx, kn_spline *s, fit_case *c, int which)
         {{16, 8}, {true, false}, true, 1e-3},
     };
     *c = all[which];
-    if (which < 2) hills(ctx, s);
+    if (which < 2) scene_hills(ctx, s, hills);
     if (which == 2 || which == 3) assert_int_equal(kn_construct_cone(ctx, s, origin, axis, 1, 0.3), KN_OK);
     if (which == 4) assert_int_equal(kn_construct_torus(ctx, s, origin, axis, 3, 1), KN_OK);
     if (which == 5) { // a patch of the teapot's spout
@@ -170,7 +161,7 @@ static void shared_edges(void **state)
     test_memory memory = TEST_MEMORY_INIT;
     kn_ctx *ctx = test_ctx(&memory, 1);
     kn_spline whole = {0}, part[2] = {{0}}, map[2] = {{0}}, out[2] = {{0}};
-    hills(ctx, &whole);
+    scene_hills(ctx, &whole, hills);
     assert_int_equal(kn_spline_subdivide(ctx, &part[0], &part[1], &whole, 0, 0.5), KN_OK);
     const kn_cells_relax_options o = {.fixed = {{true, true}, {true, true}}};
     for (int k = 0; k < 2; k++) {

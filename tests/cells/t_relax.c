@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // kn_cells_relax: a known answer, energies that fall, folds, edges, held lines, and every failure.
+#include "tests/cells/scene.h"
 #include "tests/support/support.h"
 
 #include "cells/relax.h"
@@ -21,27 +22,18 @@ static void sheared_square(kn_ctx *ctx, kn_spline *out, double c)
                      KN_OK);
 }
 
-// A bicubic with simple knots at quarters in u, a height field that stretches.
-static void hills(kn_ctx *ctx, kn_spline *out)
+// A height field that stretches.
+static void hills(double p[3], double u, double v)
 {
-    const double knots[] = {0, 0, 0, 0, 0.25, 0.5, 0.75, 1, 1, 1, 1};
-    const double *both[2] = {knots, knots};
-    double coef[3 * 49];
-    for (int i = 0; i < 7; i++)
-        for (int j = 0; j < 7; j++) {
-            double u = i / 6.0, v = j / 6.0;
-            coef[7 * i + j] = u + 0.3 * u * (1 - u) * v;
-            coef[49 + 7 * i + j] = v * v + 0.2 * v + 0.1 * sin(4 * u) * v * (1 - v);
-            coef[98 + 7 * i + j] = 0.2 * sin(5 * u) * cos(4 * v);
-        }
-    assert_int_equal(kn_spline_init(ctx, out, 2, 3, false, (const int[]){3, 3}, (const int[]){7, 7}, both, coef),
-                     KN_OK);
+    p[0] = u + 0.3 * u * (1 - u) * v;
+    p[1] = v * v + 0.2 * v + 0.1 * sin(4 * u) * v * (1 - v);
+    p[2] = 0.2 * sin(5 * u) * cos(4 * v);
 }
 
 static void make(kn_ctx *ctx, kn_spline *out, int which)
 {
     if (which == 0) sheared_square(ctx, out, 0.7);
-    if (which == 1) hills(ctx, out);
+    if (which == 1) scene_hills(ctx, out, hills);
     if (which == 2) assert_int_equal(kn_construct_cone(ctx, out, origin, axis, 1, 0.2), KN_OK);
     if (which == 3) assert_int_equal(kn_construct_sphere(ctx, out, origin, 1), KN_OK);
     if (which == 4) assert_int_equal(kn_construct_cone(ctx, out, origin, axis, 1, 0), KN_OK);
@@ -111,7 +103,7 @@ static void gradients(void **state)
     kn_ctx *ctx = test_ctx(&memory, 1);
     test_rng rng = test_random(41);
     kn_spline s = {0};
-    hills(ctx, &s);
+    scene_hills(ctx, &s, hills);
     enum { N = 5, ALL = 2 * (N + 1) * (N + 1) };
     char held[2][N + 1] = {{0}};
     held[0][2] = 1;
@@ -264,7 +256,7 @@ static void fixed(void **state)
     kn_spline s = {0}, map = {0};
     double *lines[2];
     const int n[2] = {9, 7};
-    hills(ctx, &s);
+    scene_hills(ctx, &s, hills);
     const kn_cells_relax_options o = {.fixed = {{true, true}, {true, true}}};
     assert_int_equal(kn_cells_relax(ctx, &map, &s, n, &o), KN_OK);
     for (int d = 0; d < 2; d++) assert_int_equal(kn_cells_even_lines(ctx, &lines[d], &s, d, n[d]), KN_OK);
@@ -327,7 +319,7 @@ static void given(void **state)
     kn_spline s = {0}, map = {0};
     const double lines[2][6] = {{0, 0.1, 0.3, 0.6, 0.8, 1}, {0, 0.3, 0.4, 0.6, 1}};
     const int n[2] = {5, 4};
-    hills(ctx, &s);
+    scene_hills(ctx, &s, hills);
     const kn_cells_relax_options o = {.lines = {lines[0], lines[1]}, .fixed = {{true, false}, {true, true}}};
     assert_int_equal(kn_cells_relax(ctx, &map, &s, n, &o), KN_OK);
     double *at = corners_of(&map);
@@ -399,7 +391,8 @@ static void smooth(void **state)
         assert_int_equal(kn_spline_spans(&map, 0), k);
     }
     kn_spline_clear(ctx, &s);
-    hills(ctx, &s); // few cells of uneven sizes: cubics through their corners fold, and control points do not
+    scene_hills(ctx, &s,
+                hills); // few cells of uneven sizes: cubics through their corners fold, and control points do not
     for (int k = 1; k <= 4; k++) assert_int_equal(kn_cells_relax(ctx, &map, &s, (const int[]){3, k}, &o), KN_OK);
     kn_spline_clear(ctx, &s), kn_spline_clear(ctx, &map);
     test_ctx_end(ctx, &memory);
@@ -427,7 +420,7 @@ static void fails(void **state)
     kn_ctx *ctx = test_ctx(&memory, 1);
     kn_spline s = {0}, curve = {0}, cone = {0}, point = {0};
     const int n[2] = {4, 4};
-    hills(ctx, &s);
+    scene_hills(ctx, &s, hills);
     refused(ctx, KN_EDOMAIN, &s, (const int[]){0, 4}, NULL);
     refused(ctx, KN_EDOMAIN, &s, (const int[]){4, -1}, NULL);
     refused(ctx, KN_ELIMIT, &s, (const int[]){1 << 20, 1 << 20}, NULL);
