@@ -30,13 +30,19 @@ static bool invert(double out[3][3], double in[3][3])
     return isfinite(1.0 / det) && isfinite(det);
 }
 
-// x with (1 - K) x >= g, x > 0, K >= 0, by the formula and checked; false when there is none.
+// Sums of the rows of |A|: the units in which the parameters are, however thin or large the shell is.
+static void row_sums(double out[3], double a[3][3])
+{
+    for (int i = 0; i < 3; i++) out[i] = fabs(a[i][0]) + fabs(a[i][1]) + fabs(a[i][2]);
+}
+
+// x with (1 - K) x >= g, x > 0, K >= 0, by the formula and checked; false when there is none. g in the units of x.
 static bool majorant(double x[3], double k[3][3], const double g[3])
 {
     double a[3][3], b[3][3];
     for (int i = 0; i < 3; i++)
         for (int j = 0; j < 3; j++) {
-            if (!(k[i][j] < 1e6)) return false;
+            if (!(k[i][j] < 1e100)) return false;
             a[i][j] = (i == j) - k[i][j];
         }
     if (!invert(b, a)) return false;
@@ -64,7 +70,7 @@ static void middles(double mid[3][3], const kn_meet_hull *h)
 
 static bool holds(const kn_meet_hull *h)
 {
-    double mid[3][3], a[3][3], k[3][3] = {{0}}, x[3], one[3] = {1.0, 1.0, 1.0}, g[3], length = 0.0;
+    double mid[3][3], a[3][3], k[3][3] = {{0}}, x[3], unit[3], g[3], length = 0.0;
     middles(mid, h);
     if (!invert(a, mid)) return false;
     for (const kn_meet_vectors *v = h->list; v; v = v->next)
@@ -82,10 +88,11 @@ static bool holds(const kn_meet_hull *h)
             k[i][v->column] = fmax(k[i][v->column],
                                    (most + error) * (1.0 + 0x1p-40) + kn_rounding(8.0) * (size + 1.0));
         }
-    if (!majorant(x, k, one)) return false;
+    row_sums(unit, a);
+    if (!majorant(x, k, unit)) return false;
     if (h->jump == 0.0) return true;
     for (int i = 0; i < 3; i++)
-        g[i] = (fabs(a[i][0]) + fabs(a[i][1]) + fabs(a[i][2])) * h->jump * (1.0 + 0x1p-40) + 0x1p-1000;
+        g[i] = unit[i] * h->jump * (1.0 + 0x1p-40) + 0x1p-1000;
     if (!majorant(x, k, g)) return false;
     for (int d = 0; d < 3; d++)
         length += 2.0 * x[d] * sqrt(mid[0][d] * mid[0][d] + mid[1][d] * mid[1][d] + mid[2][d] * mid[2][d]);
@@ -126,8 +133,7 @@ static void open_fan(const kn_meet *m, kn_meet_part *p, double y0, double y1, do
 static kn_status looks_bent(kn_meet *m, bool *bent, const kn_meet_part *p)
 {
     double slope[9][9], mean[3][3] = {{0}}, lo[9], hi[9], mid[3][3], a[3][3], k[3][3] = {{0}};
-    const double one[3] = {1.0, 1.0, 1.0};
-    double x[3], point[3];
+    double x[3], unit[3], point[3];
     for (int i = 0; i < 9; i++) {
         for (int d = 0; d < 3; d++) { // a little inside: the ends may be breaks, where the piece beyond would count
             double t = i == 8 ? 0.5 : i >> d & 1 ? 1.0 - 0x1p-20 : 0x1p-20;
@@ -157,7 +163,8 @@ static kn_status looks_bent(kn_meet *m, bool *bent, const kn_meet_part *p)
                 double e = a[r][0] * s[0] + a[r][1] * s[1] + a[r][2] * s[2] - (r == d);
                 k[r][d] = fmax(k[r][d], fabs(e));
             }
-    *bent = *bent || !majorant(x, k, one);
+    row_sums(unit, a);
+    *bent = *bent || !majorant(x, k, unit);
     return KN_OK;
 }
 

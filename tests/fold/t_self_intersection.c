@@ -312,6 +312,41 @@ static void apices(void **state)
     test_ctx_end(ctx, &memory);
 }
 
+// The verdict and the work do not depend on the unit of length, and a thin shell is no harder than a thick one.
+static void any_unit(void **state)
+{
+    (void)state;
+    test_memory memory = TEST_MEMORY_INIT;
+    kn_ctx *ctx = test_ctx(&memory, 1);
+    static const double knots[8] = {0, 0, 0, 0, 1, 1, 1, 1}, *both[2] = {knots, knots};
+    static const double cases[][2] = {
+        {1, 0.1}, {1e-9, 0.1}, {1e9, 0.1}, {1, 1e-5}, {1, 1e-9}}; // unit, height in units
+    size_t boxes = 0;
+    for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
+        double coef[48], unit = cases[k][0], w[2] = {0.0, cases[k][1] * unit};
+        for (int i = 0; i < 16; i++) {
+            coef[i] = i / 4 * unit;
+            coef[16 + i] = i % 4 * unit;
+            coef[32 + i] = 0.3 * ((i / 4 * 5 + i % 4 * 3) % 4) * unit;
+        }
+        kn_spline s;
+        kn_shell *shell;
+        kn_fold_intersection out;
+        kn_shell_options o = {.normal_tol = 1e-4};
+        assert_int_equal(kn_spline_init(ctx, &s, 2, 3, false, (const int[2]){3, 3}, (const int[2]){4, 4}, both, coef),
+                         KN_OK);
+        assert_int_equal(kn_shell_create(ctx, &shell, &s, &o), KN_OK);
+        const kn_shell *one = shell;
+        assert_int_equal(kn_fold_self_intersection(ctx, &out, &one, 1, NULL, 0, w, NULL), KN_OK);
+        assert_int_equal(out.verdict, KN_FOLD_NONE);
+        if (k == 0) boxes = out.boxes;
+        assert_true(out.boxes <= 2 * boxes);
+        kn_shell_destroy(ctx, shell);
+        kn_spline_clear(ctx, &s);
+    }
+    test_ctx_end(ctx, &memory);
+}
+
 // A strip of half width b around a circle of radius 2 that makes half a turn: interpolated over three turns, of which
 // the middle one is taken, so that the ends of the data are not felt at its own.
 static void moebius(kn_ctx *ctx, kn_spline *out, double b)
@@ -644,6 +679,7 @@ int main(void)
         cmocka_unit_test(one_sided_strip),
         cmocka_unit_test(ridges),
         cmocka_unit_test(apices),
+        cmocka_unit_test(any_unit),
         cmocka_unit_test(teapot),
         cmocka_unit_test(regions_count),
         cmocka_unit_test(random_sheets),
