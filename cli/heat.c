@@ -303,19 +303,45 @@ static kn_status draw_legend(kn_ctx *ctx, const check *c, uint8_t *rgb, int widt
                                        .mark = &mark});
 }
 
+// Speckles of the light, which would be read as values, averaged away: over neighbours of nearly the same colour.
+// Source: Lee, Digital image smoothing and the sigma filter, 1983.
+static void smooth(uint8_t *out, const uint8_t *rgb, int width, int height)
+{
+    enum { REACH = 2, ALIKE = 16 };
+    for (int y = 0; y < height; y++)
+        for (int x = 0; x < width; x++, out += 3) {
+            const uint8_t *p = rgb + 3 * ((size_t)y * (size_t)width + (size_t)x);
+            int n = 0, sum[3] = {0, 0, 0};
+            for (int j = y < REACH ? 0 : y - REACH; j <= y + REACH && j < height; j++)
+                for (int i = x < REACH ? 0 : x - REACH; i <= x + REACH && i < width; i++) {
+                    const uint8_t *q = rgb + 3 * ((size_t)j * (size_t)width + (size_t)i);
+                    if (abs(p[0] - q[0]) > ALIKE || abs(p[1] - q[1]) > ALIKE || abs(p[2] - q[2]) > ALIKE) continue;
+                    for (int k = 0; k < 3; k++) sum[k] += q[k];
+                    n++;
+                }
+            for (int k = 0; k < 3; k++) out[k] = (uint8_t)((sum[k] + n / 2) / n);
+        }
+}
+
 static kn_status write_picture(kn_ctx *ctx, const check *c, const kn_scene *scene, const char *path)
 {
     const int width = c->pixels[0], height = c->pixels[1], band = width * 156 / 1600;
     const int top = height > 2 * band ? height - band : height / 2;
-    uint8_t *rgb = malloc((size_t)width * (size_t)height * 3);
-    if (!rgb) return KN_ENOMEM;
+    uint8_t *rgb = malloc((size_t)width * (size_t)height * 3), *rough = malloc((size_t)width * (size_t)top * 3);
+    if (!rgb || !rough) {
+        free(rough);
+        free(rgb);
+        return KN_ENOMEM;
+    }
     kn_render_options o = kn_render_defaults();
     o.width = width;
     o.height = top;
     o.samples = 16; // a matt body under broad lights needs few
     o.bounces = 1;
     o.exposure = 0.1;
-    kn_status status = kn_render(ctx, rgb, scene, &o);
+    kn_status status = kn_render(ctx, rough, scene, &o);
+    if (status == KN_OK) smooth(rgb, rough, width, top);
+    free(rough);
     if (status == KN_OK) status = draw_legend(ctx, c, rgb + (size_t)width * (size_t)top * 3, width, height - top);
     if (status == KN_OK) status = kn_png_write(ctx, path, rgb, width, height, 3);
     free(rgb);
