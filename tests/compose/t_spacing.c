@@ -536,7 +536,7 @@ static void within_degrees(void **state)
             assert_int_equal(kn_shell_eval(ctx, a, NULL, shell, u, v, 0), KN_OK);
             assert_int_equal(kn_shell_eval(ctx, b, NULL, shell, u, v, 0.1), KN_OK);
             for (int c = 0; c < 3; c++) up += (b[c] - a[c]) * (b[c] - a[c]);
-            // areas of equal cells are as the distances from the axis; du dv is within 4 % of theirs, as lines are even
+            // areas of equal cells are as the distances from the axis; du dv is within 4 % of theirs
             double h = (k == 1 ? 1 : 0.5) * (k > 0 ? sqrt(hypot(a[0], a[1]) / 3) : 1);
             assert_true(fabs(sqrt(up) / 0.1 / h - 1) <= report.stretch_error + (k > 0 ? 0.04 : 2e-3));
         }
