@@ -91,8 +91,7 @@ static bool holds(const kn_meet_hull *h)
     row_sums(unit, a);
     if (!majorant(x, k, unit)) return false;
     if (h->jump == 0.0) return true;
-    for (int i = 0; i < 3; i++)
-        g[i] = unit[i] * h->jump * (1.0 + 0x1p-40) + 0x1p-1000;
+    for (int i = 0; i < 3; i++) g[i] = unit[i] * h->jump * (1.0 + 0x1p-40) + 0x1p-1000;
     if (!majorant(x, k, g)) return false;
     for (int d = 0; d < 3; d++)
         length += 2.0 * x[d] * sqrt(mid[0][d] * mid[0][d] + mid[1][d] * mid[1][d] + mid[2][d] * mid[2][d]);
