@@ -105,9 +105,10 @@ static void print_json(const cli_apply *a, const kn_job_report *r, const double 
                         json_pack("{s:o,s:o,s:b}", "min", cli_json_lower(r->jacobian_lo), "max",
                                   cli_json_upper(r->jacobian_hi), "certified_positive", r->jacobian_lo > 0));
     json_object_set_new(o, "spread",
-                        json_pack("{s:o,s:o,s:o,s:o}", "width", range_json(&r->spread.width), "height",
+                        json_pack("{s:o,s:o,s:o,s:o,s:i}", "width", range_json(&r->spread.width), "height",
                                   range_json(&r->spread.height), "area", range_json(&r->spread.area),
-                                  "reparameterization_error", cli_json_upper(r->cells_error)));
+                                  "reparameterization_error", cli_json_upper(r->cells_error), "even_instead",
+                                  r->even_instead));
     json_object_set_new(o, "bytes", file_bytes(a, bytes));
     json_object_set_new(o, "bytes_estimated", json_boolean(a->dry_run));
     json_object_set_new(o, "seconds",
@@ -129,6 +130,10 @@ static void print_text(const cli_apply *a, const kn_job_report *r, const double 
                sp->width.max, sp->height.min, sp->height.max, sp->area.max / sp->area.min);
     if (r->cells_error > 0)
         printf("cells follow free corners within %.1e (certified)\n", cli_outward(r->cells_error, 1, 2));
+    if (r->even_instead > 0)
+        printf("even lines instead of free corners on %d of %d surfaces: no fit within the tolerance and the degrees "
+               "that --max-degree leaves\n",
+               r->even_instead, r->nparts);
     printf("%zu patches of degree up to (%d,%d), %zu control points, %zu triangles\n", r->patches, r->degree[0],
            r->degree[1], r->control_points, r->triangles);
     if (a->job.options.direction)
