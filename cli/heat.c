@@ -62,13 +62,34 @@ static double value_at(const polynomial *p, double w)
     return sum;
 }
 
-// The least height up to `most`, a signed one, at which the polynomial vanishes, as a share of it; 1: none.
+// Where sign * p is least on [lo, hi], by thirds.
+static double lowest(const polynomial *p, double sign, double most, double lo, double hi)
+{
+    for (int k = 0; k < BISECTIONS; k++) {
+        double x = lo + (hi - lo) / 3, y = hi - (hi - lo) / 3;
+        if (sign * value_at(p, x * most) < sign * value_at(p, y * most))
+            hi = y;
+        else
+            lo = x;
+    }
+    return 0.5 * (lo + hi);
+}
+
+// The least height up to `most`, a signed one, at which the polynomial vanishes, as a share of it; 1: none. A sphere's
+// touches 0 and turns back: less than 1e-6 of its value on the base counts as 0.
 static double first_zero(const polynomial *p, double most)
 {
-    double before = 0, sign = p->c[0] < 0 ? -1 : 1;
+    const double touching = 1e-6 * fabs(p->c[0]), sign = p->c[0] < 0 ? -1 : 1;
+    double before = 0, value[3] = {fabs(p->c[0]), fabs(p->c[0]), 0};
     for (int i = 1; i <= SAMPLES; i++) {
         double lo = before, hi = (double)i / SAMPLES;
-        if (sign * value_at(p, hi * most) > 0) {
+        value[2] = sign * value_at(p, hi * most);
+        if (value[1] <= value[0] && value[1] <= value[2]) {
+            double least = lowest(p, sign, most, fmax(hi - 2.0 / SAMPLES, 0.0), hi);
+            if (sign * value_at(p, least * most) <= touching) return least;
+        }
+        value[0] = value[1], value[1] = value[2];
+        if (value[2] > 0) {
             before = hi;
             continue;
         }
@@ -338,7 +359,7 @@ static kn_status write_picture(kn_ctx *ctx, const check *c, const kn_scene *scen
     o.height = top;
     o.samples = 16; // a matt body under broad lights needs few
     o.bounces = 1;
-    o.exposure = 0.1;
+    o.flatness = 0.6; // colours as in the legend, with just enough light to show the shape
     kn_status status = kn_render(ctx, rough, scene, &o);
     if (status == KN_OK) smooth(rgb, rough, width, top);
     free(rough);

@@ -61,6 +61,7 @@ struct tracer {
     camera cam;
     float ground;
     int width, height, samples, bounces;
+    float flatness;
     uint32_t seed, mask;
     pixel *film;
     int pass;
@@ -274,7 +275,8 @@ void trace_sample(const tracer &t, pixel *px, int x, int y, const sampler &point
     hit h = intersect(t, t.cam.eye, d);
     px->samples += 1.0f;
     if (h.item >= 0) {
-        px->object = px->object + limit(follow(t, h, d, points, 1, t.bounces), sample_limit);
+        vec lit = limit(follow(t, h, d, points, 1, t.bounces), sample_limit);
+        px->object = px->object + mix(lit, h.look.diffuse, t.flatness);
         px->normal = px->normal + h.normal, px->depth += h.distance;
         return;
     }
@@ -599,9 +601,9 @@ kn_status check_options(kn_ctx *ctx, kn_render_options *o)
         return kn_fail(ctx, KN_ELIMIT, "render: %d x %d pixels, %d samples, %d bounces", o->width, o->height,
                        o->samples, o->bounces);
     if (!(std::fabs(o->elevation) < 90.0) || !(o->fov >= 0.0 && o->fov < 120.0) || !std::isfinite(o->azimuth) ||
-        !(std::fabs(o->exposure) < 32.0))
-        return kn_fail(ctx, KN_EDOMAIN, "render: azimuth %g, elevation %g, fov %g, exposure %g", o->azimuth,
-                       o->elevation, o->fov, o->exposure);
+        !(std::fabs(o->exposure) < 32.0) || !(o->flatness >= 0.0 && o->flatness <= 1.0))
+        return kn_fail(ctx, KN_EDOMAIN, "render: azimuth %g, elevation %g, fov %g, exposure %g, flatness %g",
+                       o->azimuth, o->elevation, o->fov, o->exposure, o->flatness);
     if (o->up != KN_UP_Z && o->up != KN_UP_Y) return kn_fail(ctx, KN_EDOMAIN, "render: up axis %d", o->up);
     if (o->width == 0) o->width = 1600;
     if (o->height == 0) o->height = 1200;
@@ -674,6 +676,7 @@ kn_status kn_render(kn_ctx *ctx, uint8_t *rgb, const kn_scene *scene, const kn_r
         t.shapes = shapes, t.rgb = rgb, t.seed = o.seed;
         t.width = o.width, t.height = o.height, t.samples = o.samples, t.bounces = o.bounces;
         while (t.mask + 1 < static_cast<uint32_t>(t.samples)) t.mask = 2 * t.mask + 1;
+        t.flatness = static_cast<float>(o.flatness);
         t.st = make_studio(static_cast<float>(std::exp2(o.exposure)));
         frame_object(&t, scene, o.elevation, o.fov);
         t.ground = far_away;

@@ -23,6 +23,8 @@ typedef struct kn_render_options {
     double elevation;  // of the camera above the horizon, degrees, below 90; 0: 18
     double fov;        // vertical angle of view, degrees, below 120; 0: 24
     double exposure;   // stops added to the lights
+    double flatness;   // share in [0,1] of the object's picture that is its plain colour without light: for colours
+                       // that a legend explains
     uint32_t seed;     // of the sampling pattern
 } kn_render_options;
 KN_API kn_render_options kn_render_defaults(void);
