@@ -345,6 +345,34 @@ static void a_scene_with_colors(void **state)
 #endif
 }
 
+// Under a sphere the Jacobian (1 + w)^2 touches 0 at the centre and turns back: its colour has to say so.
+static void a_touching_zero_is_seen(void **state)
+{
+    (void)state;
+#if KN_WITH_TINYGLTF
+    char path[PATH_BYTES], out[PATH_BYTES];
+    test_memory memory = TEST_MEMORY_INIT;
+    kn_ctx *ctx = test_ctx(&memory, 1);
+    kn_spline s = {0};
+    assert_int_equal(kn_construct_sphere(ctx, &s, origin, 1), KN_OK);
+    test_tmp_path(path, "sphere.g2");
+    write_g2(path, &s);
+    kn_spline_clear(ctx, &s);
+    test_tmp_path(out, "sphere.glb");
+    assert_int_equal(run("check '%s' --height -1.2 --work 1 -q -o '%s'", path, out), 4); // it folds at 1
+    kn_scene scene = {0};
+    assert_int_equal(kn_gltf_read(ctx, &scene, out), KN_OK);
+    const float *color = scene.items[0].color;
+    assert_non_null(color);
+    // 1 of the 1.2 that were asked for: of the warm half of the scale, whose red is above twice its blue.
+    for (size_t v = 0; v < scene.items[0].mesh.nvertices; v++) assert_true(color[3 * v] > 2.0F * color[3 * v + 2]);
+    kn_scene_clear(ctx, &scene);
+    test_ctx_end(ctx, &memory);
+#else
+    skip();
+#endif
+}
+
 static void a_picture_with_a_legend(void **state)
 {
     (void)state;
@@ -455,6 +483,7 @@ int main(void)
         cmocka_unit_test(volumes),
         cmocka_unit_test(thickness_counts),
         cmocka_unit_test(a_scene_with_colors),
+        cmocka_unit_test(a_touching_zero_is_seen),
         cmocka_unit_test(a_picture_with_a_legend),
         cmocka_unit_test(usage_errors),
         cmocka_unit_test(bad_input_is_3),
