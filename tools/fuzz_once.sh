@@ -7,6 +7,7 @@ name=$(basename "$program")
 case $name in # an input of these is a program of calls
 fuzz_bpt | fuzz_g2) ;;
 fuzz_shell | fuzz_kinds) runs=$((runs / 100)) ;;
+fuzz_fold) runs=$((runs / 400)) ;; # an answer takes tens of milliseconds
 *) runs=$((runs / 25)) ;;
 esac
 seeds=$(pwd)/tests/fuzz/corpus/${name#fuzz_}
