@@ -105,7 +105,7 @@ static inline bool kn_meet_is_piece(const kn_meet_node *n)
     return n->chart >= 0 && n->first[0] == n->last[0] && n->first[1] == n->last[1] && n->first[2] == n->last[2];
 }
 // Makes the two children of a node that has none yet.
-kn_status kn_meet_split(kn_meet *m, int node);
+kn_status kn_meet_split(kn_meet *m, int index);
 
 // ---- meet_apart.c ----
 // Whether the boxes, each taken `shrink` times as large, have a plane between them.

@@ -434,7 +434,7 @@ kn_status kn_meet_add_part(kn_meet_hull *h, kn_meet_part *p)
     int first[3], last[3], at[3];
     for (int d = 0; d < 3; d++) {
         kn_meet_overlap(c, d, p->lo[d], p->hi[d], &first[d], &last[d]);
-        for (int i = first[d] + 1; i <= last[d] && d < 2; i++) h->jump += c->jump[d][i];
+        for (int i = first[d] + 1; d < 2 && i <= last[d]; i++) h->jump += c->jump[d][i];
     }
     if (p->pole >= 0 && first[p->pole] != last[p->pole]) h->fits = false;
     if (p->tip >= 0 && (first[p->tip] != last[p->tip] || first[2] != last[2])) h->fits = false;
