@@ -173,8 +173,8 @@ static void measure(kn_ctx *ctx, table *t, const base *b, const kn_tile *tile)
         for (int i = 0; i < b->cells[0]; i++)
             for (int j = 0; j < b->cells[1]; j++)
                 for (int part = 0; part < tile->nparts; part++)
-                    for (int s = 0; s < tile->parts[part].nsurfaces; s++)
-                        sample_tile(ctx, t, &p, &tile->parts[part].surfaces[s], i, j);
+                    for (int s = 0; s < tile->parts[part].nsplines; s++)
+                        sample_tile(ctx, t, &p, &tile->parts[part].splines[s], i, j);
         kn_shell_destroy(ctx, shell);
     }
 }

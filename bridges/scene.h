@@ -3,7 +3,7 @@
 #ifndef BRIDGES_SCENE_H
 #define BRIDGES_SCENE_H
 
-#include <knurl/compose.h>
+#include <knurl/job.h>
 #include <knurl/mesh.h>
 
 // mesh.normal may be NULL: the triangles are then flat. color, when there is one, is multiplied with the material's.

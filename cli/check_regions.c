@@ -153,8 +153,8 @@ static kn_status make_boxes(kn_ctx *ctx, check *c)
     kn_status status = all ? KN_OK : KN_ENOMEM;
     if (all) all->height = fabs(c->job.options.height);
     for (int p = 0; p < tile->nparts; p++)
-        for (int s = 0; s < tile->parts[p].nsurfaces && status == KN_OK; s++)
-            status = add_surface(ctx, all, c, &tile->parts[p].surfaces[s]);
+        for (int s = 0; s < tile->parts[p].nsplines && status == KN_OK; s++)
+            status = add_surface(ctx, all, c, &tile->parts[p].splines[s]);
     if (status == KN_OK) {
         double range[2];
         cli_job_range(&c->job, range);

@@ -12,8 +12,8 @@ static size_t count_patches(const kn_tile *tile)
 {
     size_t patches = 0;
     for (int p = 0; p < tile->nparts; p++)
-        for (int s = 0; s < tile->parts[p].nsurfaces; s++) {
-            const kn_spline *surface = &tile->parts[p].surfaces[s];
+        for (int s = 0; s < tile->parts[p].nsplines; s++) {
+            const kn_spline *surface = &tile->parts[p].splines[s];
             patches += (size_t)kn_spline_spans(surface, 0) * (size_t)kn_spline_spans(surface, 1);
         }
     return patches;
@@ -23,10 +23,10 @@ static void tile_degree(const kn_tile *tile, int degree[2])
 {
     degree[0] = degree[1] = 0;
     for (int p = 0; p < tile->nparts; p++)
-        for (int s = 0; s < tile->parts[p].nsurfaces; s++)
+        for (int s = 0; s < tile->parts[p].nsplines; s++)
             for (int d = 0; d < 2; d++)
-                if (tile->parts[p].surfaces[s].degree[d] > degree[d])
-                    degree[d] = tile->parts[p].surfaces[s].degree[d];
+                if (tile->parts[p].splines[s].degree[d] > degree[d])
+                    degree[d] = tile->parts[p].splines[s].degree[d];
 }
 
 static json_t *tile_json(const kn_tile *tile)

@@ -86,8 +86,8 @@ static kn_status load_part(kn_ctx *ctx, kn_tile_part *part, const char *tile, co
     if (status != KN_OK) return status;
     snprintf(part->name, sizeof part->name, "%s", source->name);
     part->material = source->material;
-    part->surfaces = model.splines;
-    part->nsurfaces = model.nsplines;
+    part->splines = model.splines;
+    part->nsplines = model.nsplines;
     return KN_OK;
 }
 

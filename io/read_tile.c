@@ -60,10 +60,10 @@ kn_status kn_read_tile(kn_ctx *ctx, kn_tile *out, const char *path, const double
         tile.aspect = cell ? 1.0 / sqrt((cell[2] - cell[0]) * (cell[3] - cell[1])) : 1.0;
         memcpy(part->name, name, sizeof name);
         part->material = (kn_material){{0.6, 0.6, 0.6}, 0.0, 0.4};
-        part->surfaces = model.splines;
-        part->nsurfaces = model.nsplines;
+        part->splines = model.splines;
+        part->nsplines = model.nsplines;
         model = (kn_model){0};
-        for (int i = 0; cell && i < part->nsurfaces; i++) to_unit_square(&part->surfaces[i], cell);
+        for (int i = 0; cell && i < part->nsplines; i++) to_unit_square(&part->splines[i], cell);
         status = kn_tile_check(ctx, &tile);
     }
     if (status == KN_OK)

@@ -9,7 +9,7 @@
 #ifndef IO_STEP_WRITE_H
 #define IO_STEP_WRITE_H
 
-#include <knurl/compose.h>
+#include <knurl/job.h>
 
 #include "io/text_buffer.h"
 

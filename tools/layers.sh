@@ -7,8 +7,8 @@
 #   1 bezier                     bezier.h
 #   2 spline                     spline.h
 #   3 fit construct solve        fit.h construct.h solve.h
-#   4 trivar cells fold compose mesh  shell.h fold.h cells.h compose.h mesh.h
-#   5 implicit levelset subdiv
+#   4 trivar cells fold trim mesh field tile compose  shell.h cells.h fold.h trim.h mesh.h field.h tile.h compose.h
+#   5 job slice implicit levelset subdiv  job.h slice.h
 #   6 io                         io.h knurl.h
 #   7 bridges/*
 #   8 cli examples bench tests
@@ -18,14 +18,14 @@
 set -eu
 cd "${1:-.}"
 
-files=$(find kernel bezier spline fit construct solve trivar cells fold compose mesh implicit levelset subdiv io bridges cli examples bench tests include \
+files=$(find kernel bezier spline fit construct solve trivar cells fold trim mesh field tile compose job slice implicit levelset subdiv io bridges cli examples bench tests include \
     -type f \( -name '*.[ch]' -o -name '*.cpp' -o -name '*.hpp' \) 2>/dev/null | LC_ALL=C sort)
 # shellcheck disable=SC2086
 LC_ALL=C awk '
 BEGIN {
-    split("base 0 bezier 1 spline 2 fit 3 construct 3 solve 3 shell 4 fold 4 cells 4 compose 4 mesh 4 io 6 knurl 6", word, " ")
+    split("base 0 bezier 1 spline 2 fit 3 construct 3 solve 3 shell 4 fold 4 cells 4 trim 4 mesh 4 field 4 tile 4 compose 4 job 5 slice 5 io 6 knurl 6", word, " ")
     for (i = 1; i in word; i += 2) public_level["include/knurl/" word[i] ".h"] = word[i + 1]
-    split("kernel 0 bezier 1 spline 2 fit 3 construct 3 solve 3 trivar 4 cells 4 fold 4 compose 4 mesh 4 implicit 5" \
+    split("kernel 0 bezier 1 spline 2 fit 3 construct 3 solve 3 trivar 4 cells 4 fold 4 trim 4 mesh 4 field 4 tile 4 compose 4 job 5 slice 5 implicit 5" \
           " levelset 5 subdiv 5 io 6 bridges 7 cli 8 examples 8 bench 8 tests 8", word, " ")
     for (i = 1; i in word; i += 2) folder_level[word[i]] = word[i + 1]
     split("assert complex ctype errno fenv float inttypes iso646 limits locale math setjmp signal stdalign stdarg" \

@@ -3,7 +3,7 @@
 #ifndef KNURL_IO_H
 #define KNURL_IO_H
 
-#include <knurl/compose.h>
+#include <knurl/job.h>
 #include <knurl/mesh.h>
 
 #ifdef __cplusplus

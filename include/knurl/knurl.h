@@ -11,9 +11,14 @@
 #include <knurl/solve.h>
 #include <knurl/shell.h>
 #include <knurl/cells.h>
-#include <knurl/compose.h>
+#include <knurl/trim.h>
 #include <knurl/mesh.h>
 #include <knurl/fold.h>
+#include <knurl/field.h>
+#include <knurl/tile.h>
+#include <knurl/compose.h>
+#include <knurl/job.h>
+#include <knurl/slice.h>
 #include <knurl/io.h>
 
 #endif

@@ -2,6 +2,7 @@
 // kn_cells_compose: S(map) exactly. Values against S at the map's values; degrees; every failure.
 #include "tests/support/support.h"
 
+#include <knurl/cells.h>
 #include <knurl/compose.h>
 #include <knurl/construct.h>
 #include <math.h>

@@ -141,7 +141,9 @@ static void run_job(feed *f, kn_job *job)
                       {feed_wild(f, 0, 2), feed_wild(f, 0, 2)},
                       feed_wild(f, 0, 1),
                       feed_wild(f, 0, 1),
-                      feed_wild(f, 0, 1)};
+                      feed_wild(f, 0, 1),
+                      feed_wild(f, 0, 1),
+                      0};
     kn_patch_place place;
     kn_bezier source = {0};
     feed_any(kn_job_source(f->ctx, &source, &place, job, &id));

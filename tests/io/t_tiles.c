@@ -25,10 +25,10 @@ static void load(kn_ctx *ctx, loaded *l, const char *name)
     memset(l, 0, sizeof *l);
     assert_int_equal(kn_builtin_tile(ctx, &l->tile, name), KN_OK);
     for (int p = 0; p < l->tile.nparts; p++)
-        for (int s = 0; s < l->tile.parts[p].nsurfaces; s++) {
+        for (int s = 0; s < l->tile.parts[p].nsplines; s++) {
             kn_bezier *pieces = NULL;
             size_t n = 0;
-            assert_int_equal(kn_spline_to_bezier(ctx, &pieces, &n, &l->tile.parts[p].surfaces[s]), KN_OK);
+            assert_int_equal(kn_spline_to_bezier(ctx, &pieces, &n, &l->tile.parts[p].splines[s]), KN_OK);
             for (size_t i = 0; i < n; i++, l->n++) {
                 assert_true(l->n < MAX_PATCHES);
                 l->patch[l->n] = pieces[i];
@@ -704,17 +704,17 @@ static void a_file_becomes_a_tile(void **state)
     test_write_file(path, G2, sizeof G2 - 1);
     kn_tile tile = {0};
     assert_int_equal(kn_read_tile(ctx, &tile, path, NULL), KN_OK);
-    assert_true(tile.aspect == 1.0 && !tile.covering && tile.nparts == 1 && tile.parts[0].nsurfaces == 1);
+    assert_true(tile.aspect == 1.0 && !tile.covering && tile.nparts == 1 && tile.parts[0].nsplines == 1);
     assert_non_null(strstr(tile.name, "saddle.of.mine"));
     assert_null(strchr(tile.name, '/'));
     assert_null(strstr(tile.name, ".g2"));
-    assert_true(tile.parts[0].surfaces[0].coef[0] == -4.0);
+    assert_true(tile.parts[0].splines[0].coef[0] == -4.0);
     kn_tile_clear(ctx, &tile);
 
     const double cell[4] = {-4, 10, 12, 14}; // 16 x 4: lengths of w are seen over a cell of width 8
     assert_int_equal(kn_read_tile(ctx, &tile, path, cell), KN_OK);
     const double mapped[12] = {0, 0, 1, 1, 0, 2, 0, 2, 0, 0, 0, 2};
-    assert_memory_equal(tile.parts[0].surfaces[0].coef, mapped, sizeof mapped);
+    assert_memory_equal(tile.parts[0].splines[0].coef, mapped, sizeof mapped);
     assert_true(tile.aspect == 0.125);
     kn_tile before = tile;
 

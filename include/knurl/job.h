@@ -1,0 +1,263 @@
+// SPDX-License-Identifier: Apache-2.0
+// Jobs: a tile over the cells of a base, streamed as patches into sinks.
+#ifndef KNURL_JOB_H
+#define KNURL_JOB_H
+
+#include <knurl/cells.h>
+#include <knurl/compose.h>
+#include <knurl/field.h>
+#include <knurl/shell.h>
+#include <knurl/tile.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+// Where cell lines lie.
+typedef enum kn_cells_spacing {
+    KN_CELLS_DEFAULT, // even in each direction whose count comes from a size, uniform where it is given
+    KN_CELLS_UNIFORM, // equal parameter steps in each knot span (kn_cells_uniform_lines)
+    KN_CELLS_EVEN,    // equal steps of length, for surfaces that share edges together (kn_cells_shared_lines)
+    // Corners free in both directions: S is replaced by a fit of S(map) (kn_cells_relax, smooth; kn_cells_fit), from
+    // even lines on; on edges that surfaces share they stay there, and on a whole part of S where its cells are too
+    // few for a map without a fold, or for a fit within the tolerance in the degrees for which max_degree leaves
+    // room (kn_job_report.even_instead counts these). Not for volumes, nor with fields over S.
+    KN_CELLS_FREE,
+} kn_cells_spacing;
+
+// Where w in [0,1] of the tile lies, H the height.
+typedef enum kn_job_side {
+    KN_JOB_ABOVE, // [0,H], below the base where H is negative
+    KN_JOB_BELOW, // [-|H|,0], w = 1 at -|H|
+    KN_JOB_BOTH,  // [-H,H]
+} kn_job_side;
+
+// How tiles go on beyond the ends of a surface that is not closed (the vocabulary of other tools: extend, clip, cyclic).
+typedef enum kn_job_border {
+    KN_BORDER_EXTEND, // what reaches beyond stays, over the surface extended as a polynomial
+    KN_BORDER_CLIP,   // what reaches beyond is cut off
+    KN_BORDER_CYCLIC, // what reaches beyond comes in at the other end
+} kn_job_border;
+
+// What becomes of a tile patch that crosses a knot line of S otherwise than along a parameter line of its own.
+typedef enum kn_job_crossing {
+    KN_CROSSING_REFUSE,      // KN_EDOMAIN
+    KN_CROSSING_TRIM,        // exactly composed pieces, trimmed along the preimage of the line to within crossing_tol
+    KN_CROSSING_APPROXIMATE, // one untrimmed patch, within crossing_tol of T(D), certified
+} kn_job_crossing;
+
+// Seeded Poisson-disk placement of a casual tile in place of one in each cell.
+typedef struct kn_job_scatter {
+    double distance; // least distance of two centres, length units; 0: no scatter, one tile in each cell
+    uint64_t seed;
+} kn_job_scatter;
+
+// Where tiles lie. Zero: one in each cell, as modelled.
+typedef struct kn_job_placement {
+    double shift[2];   // of the whole tiling, in cells
+    double stagger[2]; // [0]: each next row (in v) is shifted by so many cells in u; [1]: each next column in v
+    bool mirror[2];    // every second column mirrored in u; every second row in v
+    double angle;      // radians, of a casual tile about its cell's centre, beside the quarter turns
+    kn_job_border border[2];
+    kn_job_scatter scatter;
+} kn_job_placement;
+
+// Which cells there are. Zero: all. A cell is there when all that is given agrees.
+typedef struct kn_job_selection {
+    const int *surfaces; // of the base, nsurfaces of them; NULL: all
+    int nsurfaces;
+    kn_field mask; // at the cell's middle: above 0.5
+    bool cone;     // the normal at the middle within `cone_angle` radians of cone_axis
+    double cone_axis[3], cone_angle;
+    int skip[2];    // every skip-th cell only, from the first one; 0: 1
+    double density; // the share of cells that stay, chosen by chance from `seed`; 0: 1
+    uint64_t seed;
+    size_t first, count; // a range of the cells in the job's order; count 0: all from `first`
+    bool slab;           // those whose image may touch z in [slab_z[0], slab_z[1]]: certified to miss none
+    double slab_z[2];
+} kn_job_selection;
+
+// The value of a tile's parameter, or of a change that every tile can have, over the base. Control points are taken at
+// the places that they have in the unvaried tile, so that tiles which meet there still do.
+typedef struct kn_job_vary {
+    const char *parameter; // of the tile; or "height" (factor), "offset" (added, length units): every tile has these
+    kn_field field;
+} kn_job_vary;
+
+// Changes of each tile by chance, from the seed: casual tiles alone. Amplitudes; 0: none.
+typedef struct kn_job_random {
+    uint64_t seed;
+    double angle, shift, scale, height; // radians; cells; and relative
+} kn_job_random;
+
+// Zero means the default in every field.
+typedef struct kn_job_options {
+    int count[2];   // cells over each surface's domain in u and in v, at most 65536; 0: from size
+    double size[2]; // wanted cell size, length units; the nearest count is taken (but no fewer than knot spans, and
+                    // for even lines up to 15 % off where that suits all spans), equal on edges that surfaces share.
+                    // One given: for both. None: 1/20 of the base's diagonal
+    // Of w = 1 above the base, negative below; 0: the tile's aspect times the mean cell size. In length units, or
+    // what thickness and direction make of it. Over a volume it is a fraction: 0 stands for 1, from one face to the
+    // other.
+    double height;
+    double offset; // added to every height, in the same unit
+    kn_job_side side;
+    int quarter_turns; // of the tile in its cell
+    kn_cells_spacing spacing;
+    // Rows of cells, across the surfaces' variable 1, may have different counts where S narrows
+    // (kn_cells_shared_bands, surfaces side by side alike). Cells of two bands do not meet at their border: tiles
+    // that reach over it go on over the same surface, among the cells there. Casual tiles and sizes alone. Where
+    // variable 1 meets a neighbour's variable 0 at an edge, both stay whole.
+    bool rows;
+    // Heights follow the local stretch: the thickness is multiplied by kn_cells_stretch (of degree 2, or 1 where
+    // max_degree leaves no room, or made a function of one variable where there is not even room for that:
+    // stretch_error says what it costs), made one on edges that surfaces share. Not for volumes.
+    bool stretch;
+    // Of S(map) with KN_CELLS_FREE, length units; 0: 1e-4 of a cell, or up to 1e-3 where degrees end before that.
+    double cells_tol;
+    // The shell. Splines over [0,1]^2, which stands for each surface's domain; NULL: none (shell.h). Their knots
+    // become knots of S: cells have lines there. Not for volumes.
+    kn_normal_method normal;
+    const kn_spline *direction, *thickness, *attraction;
+    int attraction_power;
+    double normal_tol; // as kn_shell_options; 0: 1e-6
+    kn_job_placement placement;
+    kn_job_selection select;
+    const kn_job_vary *vary; // nvary of them, borrowed with all that they point to
+    int nvary;
+    kn_job_random random;
+    // Heights fall off to nothing over this distance from open ends of the base and borders of the mask, length units.
+    double taper;
+    kn_job_crossing crossing;
+    double crossing_tol; // length units; 0: 1e-3 of a cell
+    int max_degree;      // of a composed patch in one variable; 0: 25 (what OCCT reads); at most KN_MAX_DEGREE
+    double mesh_tol;     // chord height of tessellations, length units; 0: 1/100 of the mean cell size
+    bool symbolic;       // compose each cell symbolically (the reference) instead of by matrix
+} kn_job_options;
+KN_API kn_job_options kn_job_defaults(void);
+
+// What a job will make; everything is known before the first patch is composed.
+typedef struct kn_job_report {
+    int nsurfaces; // of the base
+    int nparts;    // surfaces of the job, which counts parts between creases, and rows of cells, one by one
+    size_t cells, patches, exact_patches, control_points, triangles;
+    int degree[2];                // the largest in r and in t
+    double height, cell_size;     // in force, length units
+    kn_normal_certificate normal; // over all pieces in use
+    double normal_tol;            // in force
+    int max_degree;               // in force
+    // Bound of |patch - T(D)| where a stand-in for n is used, length units, the thickness included; 0: none is. Where
+    // D reaches beyond the surface's domain T(D) is S + w times its unit normal there, and not kn_shell_eval, which
+    // extends n.
+    double stand_in_error;
+    double jacobian_lo, jacobian_hi; // kn_shell_jacobian_bounds over the heights that the tile occupies
+    kn_cells_spread spread;          // of all cells
+    double cells_error;              // bound of |S in use - S(map)| with KN_CELLS_FREE; 0: exact
+    int even_instead;                // parts, of nparts, that kept even lines and S with KN_CELLS_FREE
+    double stretch_error;            // relative, of the heights that follow the stretch (kn_cells_stretch)
+} kn_job_report;
+
+// Stable identity of an output patch.
+typedef struct kn_patch_id {
+    int surface;  // of the base
+    int cell[2];  // counted over the whole of it, also where the job takes it in parts (kn_job_origin)
+    int part;     // of the tile
+    int patch;    // Bezier patch of the part, counted over its splines; then its mesh
+    int piece;    // 0 .. when a patch had to be subdivided
+    int instance; // 0 .. of the tiles that a cell has (scatter)
+    int layer;    // kn_job_run_layers
+} kn_patch_id;
+
+typedef struct kn_patch {
+    kn_patch_id id;
+    // One to three variables, 3 components or 4 homogeneous ones; borrowed, valid during the call, as all that follows.
+    kn_bezier bezier;
+    const kn_trim *trim; // of a surface: what there is of it, in its [0,1]^2; NULL: all
+    const kn_mesh *mesh; // not NULL: a mapped part of a mesh; bezier is then empty
+    bool reversed;       // outward is -(r x t): the job's height is negative
+    bool exact;          // false: composed with a stand-in for n
+    int segments[3];     // in each variable, by which tessellations of neighbouring patches match
+} kn_patch;
+
+typedef struct kn_patch_block {
+    size_t first; // place of patches[0] in the job's order, counted from 0
+    size_t count;
+    const kn_patch *patches;
+} kn_patch_block;
+
+// Where a job's patches go. Calls: begin once; then for each block work (on any thread, blocks in any order and at
+// the same time, with that thread's context), whose *product goes to commit (on the calling thread, blocks in order),
+// or to discard when the job stops early; end once, only if all went well. close exactly once, by kn_sink_close: a
+// sink that has not ended removes what it wrote. Any of them but commit and close may be NULL. Products are the
+// sink's own memory.
+typedef struct kn_sink {
+    void *user;
+    kn_status (*begin)(kn_ctx *ctx, void *user, const kn_tile *tile, const kn_job_report *report);
+    kn_status (*work)(kn_ctx *worker, void *user, const kn_patch_block *block, void **product);
+    kn_status (*commit)(kn_ctx *ctx, void *user, const kn_patch_block *block, void *product);
+    void (*discard)(kn_ctx *ctx, void *user, void *product);
+    kn_status (*end)(kn_ctx *ctx, void *user);
+    void (*close)(kn_ctx *ctx, void *user);
+    size_t (*bytes)(const void *user); // written so far; NULL: nothing to count
+} kn_sink;
+KN_API void kn_sink_close(kn_ctx *ctx, kn_sink *sink); // idempotent
+
+typedef struct kn_job kn_job;
+
+// Plans tile x cells over the surfaces (dim 3, two variables, or all of them volumes of three; copied, as the tile
+// is). Counts, shells and subdivisions are decided here. A surface with creases (kn_shell_split_creases, a tenth of
+// normal_tol) is taken in parts, each with a shell of its own, unless a direction is given: a tile that reaches over
+// a crease goes on over the extended surface of its own side, and a count is shared among the parts.
+//
+// A tile patch that crosses cell lines along its own parameter lines is cut there and continues in the next cell
+// (wrapped where the surface is closed, on the surface at the other side of a shared edge where cell lines, normals,
+// to ten normal_tol, and fields go on over it, and else on its own extended surface); otherwise it keeps its cell,
+// over a box that reaches beyond it. Where no polynomial normal of low degree over the whole cell is within
+// normal_tol, patches are composed over smaller boxes and bisected as needed.
+//
+// out:    *out, ended by kn_job_destroy.
+// fails:  as kn_shell_create, kn_spline_check and kn_tile_check; KN_EDOMAIN options negative or not finite, fewer
+//         cells than knot spans, a max_degree that leaves no room for the normal (the message says what is needed), a
+//         tile patch that crosses a knot line of a surface and not along a parameter line of its own;
+//         KN_ELIMIT counts, cells, max_degree, a tile that reaches more than 256 cells beyond its own;
+//         KN_EUNDECIDED no normal within normal_tol after ten bisections each way; KN_ECANCELLED, KN_ENOMEM. *out
+//         unchanged.
+KN_API KN_CHECKED kn_status kn_job_create(kn_ctx *ctx, kn_job **out, const kn_spline *surfaces, int nsurfaces,
+                                          const kn_tile *tile, const kn_job_options *options);
+KN_API void kn_job_destroy(kn_ctx *ctx, kn_job *job);
+KN_API kn_job_report kn_job_describe(const kn_job *job);
+// The tile as placed (rotated), whose parts patches refer to; and the shell of one surface of the job, 0 .. nparts -
+// 1 (NULL: no such).
+KN_API const kn_tile *kn_job_tile(const kn_job *job);
+KN_API const kn_shell *kn_job_shell(const kn_job *job, int surface);
+// Which surface of the base a surface of the job is a part of (-1: no such surface), and the number of its first cell
+// among the cells of that one (NULL: not wanted).
+KN_API int kn_job_origin(const kn_job *job, int surface, int first_cell[2]);
+// The cell lines of a surface of the job in variable var, in its own parameters: kn_shell_cells + 1 numbers. NULL: no
+// such surface.
+KN_API const double *kn_job_lines(const kn_job *job, int surface, int var);
+// Where the (u,v) of a tile patch count from: the corner of this cell, which is [0,1]^2, of a surface of the job.
+typedef struct kn_patch_place {
+    int surface, cell[2];
+} kn_patch_place;
+// The tile patch D behind an output patch, restricted to its piece: (u, v, w), u and v counted in cells from *place
+// (NULL: not wanted), w in length units; out: initialised, overwritten. The place is the patch's own cell, beyond
+// whose edges D may reach, or the cell of another surface where the tile continues over an edge that the two
+// surfaces share. Lets a caller check patch = T(D), with kn_job_lines. fails: KN_EDOMAIN no such patch, KN_ENOMEM;
+// out unchanged.
+KN_API KN_CHECKED kn_status kn_job_source(kn_ctx *ctx, kn_bezier *out, kn_patch_place *place, const kn_job *job,
+                                          const kn_patch_id *id);
+
+// Composes everything and sends it to the sinks. The same patches in the same order, bit for bit, for any number of
+// threads (on one kind of processor: docs/numerics.md, compose). Memory: the matrices and the blocks in flight, 2 MiB
+// or one cell each, two for each thread and one more. The sinks are not closed. ctx need not be the one that made the
+// job.
+//
+// fails: what the sinks answer; KN_EDOMAIN a sink without commit; KN_ECANCELLED, KN_ENOMEM. All products are
+//        then discarded.
+KN_API KN_CHECKED kn_status kn_job_run(kn_ctx *ctx, const kn_job *job, kn_sink *sinks, int nsinks);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: Apache-2.0
+// A set of keys, and what follows from one.
+#include "job/internal.h"
+
+// The finalizer of SplitMix64.
+static uint64_t mix(uint64_t x)
+{
+    x = (x ^ x >> 30) * 0xbf58476d1ce4e5b9u;
+    x = (x ^ x >> 27) * 0x94d049bb133111ebu;
+    return x ^ x >> 31;
+}
+
+static uint64_t term_of(const kn_job_key *k, int t)
+{
+    return (uint64_t)k->degree[t][0] << 16 | (uint64_t)k->degree[t][1] << 8 | k->power[t];
+}
+
+// All fields of a key but the terms, without loss: patch, levels, indices and what is left, and the flags.
+static uint64_t place_of(const kn_job_key *k)
+{
+    uint64_t p = (uint32_t)k->patch;
+    for (int d = 0; d < 2; d++) p = (p << 4 | k->rect.level[d]) << 12 | k->rect.index[d];
+    return p;
+}
+
+static uint32_t kind_of(const kn_job_key *k)
+{
+    return (uint32_t)k->factor << 16 | (uint32_t)k->nterms << 8 | (uint32_t)(k->turn << 2 | k->whole << 1 | k->exact);
+}
+
+static bool same_key(const kn_job_key *a, const kn_job_key *b)
+{
+    if (place_of(a) != place_of(b) || kind_of(a) != kind_of(b)) return false;
+    for (int t = 0; t < a->nterms; t++)
+        if (term_of(a, t) != term_of(b, t)) return false;
+    return true;
+}
+
+// The slot that holds key, or the empty one where it belongs.
+static size_t find(const kn_job_keys *keys, const kn_job_key *key)
+{
+    uint64_t terms = kind_of(key);
+    for (int t = 0; t < key->nterms; t++) terms = terms * 0x9e3779b97f4a7c15u + term_of(key, t);
+    size_t at = (size_t)mix(place_of(key) ^ mix(terms));
+    for (;; at++) {
+        at &= keys->nslots - 1;
+        if (keys->slot[at] == 0 || same_key(key, &keys->list[keys->slot[at] - 1])) return at;
+    }
+}
+
+static kn_status grow(kn_ctx *ctx, kn_job_keys *keys)
+{
+    size_t room = keys->room > 0 ? 2 * keys->room : 64;
+    kn_job_key *list = kn_resize(ctx, keys->list, room, sizeof *list);
+    if (!list) return KN_ENOMEM;
+    keys->list = list;
+    size_t *uses = kn_resize(ctx, keys->uses, room, sizeof *uses);
+    if (!uses) return KN_ENOMEM;
+    keys->uses = uses;
+    uint32_t *slot = kn_alloc_zero(ctx, 2 * room, sizeof *slot);
+    if (!slot) return KN_ENOMEM;
+    kn_free(ctx, keys->slot);
+    keys->slot = slot;
+    keys->room = room;
+    keys->nslots = 2 * room;
+    for (size_t i = 0; i < keys->count; i++) slot[find(keys, &keys->list[i])] = (uint32_t)i + 1;
+    return KN_OK;
+}
+
+kn_status kn_job_keys_add(kn_ctx *ctx, uint32_t *index, kn_job_keys *keys, const kn_job_key *key)
+{
+    if (keys->count >= UINT32_MAX / 4) return kn_fail(ctx, KN_ELIMIT, "job: too many different pieces");
+    kn_status status = keys->count == keys->room ? grow(ctx, keys) : KN_OK;
+    if (status != KN_OK) return status;
+    size_t at = find(keys, key);
+    if (keys->slot[at] == 0) {
+        keys->list[keys->count] = *key;
+        keys->uses[keys->count] = 0;
+        keys->slot[at] = (uint32_t)++keys->count;
+    }
+    *index = keys->slot[at] - 1;
+    return KN_OK;
+}
+
+void kn_job_degree(const kn_job *job, const kn_job_key *key, int degree[2])
+{
+    for (int d = 0; d < 2; d++) degree[d] = job->patches[key->patch].d.degree[d] * key->factor;
+}
+
+void kn_job_locate(const kn_job *job, size_t index, int *surface, int cell[2])
+{
+    int lo = 0, hi = job->nsurfaces - 1;
+    while (lo < hi) {
+        int middle = (lo + hi + 1) / 2;
+        if (job->surfaces[middle].first_cell <= index)
+            lo = middle;
+        else
+            hi = middle - 1;
+    }
+    size_t at = index - job->surfaces[lo].first_cell, row = (size_t)job->surfaces[lo].cells[1];
+    *surface = lo;
+    cell[0] = (int)(at / row);
+    cell[1] = (int)(at % row);
+}

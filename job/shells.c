@@ -1,0 +1,159 @@
+// SPDX-License-Identifier: Apache-2.0
+// The shell of each surface of a job: degrees, the bounds of its Jacobian.
+#include "job/internal.h"
+#include "kernel/parallel.h"
+
+#include <math.h>
+#include <stdio.h>
+
+static const int least_normal_degree = 3; // of n in each variable
+static const int usual_normal_degree = 5; // and of m, where n = N m
+
+// What the terms of T need, as sums of their degrees and the power of w: T's factor on the degree of a tile patch. Of
+// n, which is yet to be made, the least; *room: what adds to it.
+static int least_factor(int *room, const kn_job_base *b, const kn_spline *face, int power)
+{
+    int a = face->degree[0] + face->degree[1], most = a;
+    int weight = face->rational ? a : 0; // fields are multiplied by it
+    int h = b->thickness.coef ? b->thickness.degree[0] + b->thickness.degree[1] : 0;
+    *room = 0;
+    if (b->volume.coef) return a + b->volume.degree[2];
+    if (b->attraction.coef) {
+        int psi = b->attraction.degree[0] + b->attraction.degree[1] + weight + power;
+        most = psi > most ? psi : most;
+    }
+    int n = b->direction.coef ? b->direction.degree[0] + b->direction.degree[1] : 2 * least_normal_degree;
+    *room = h + weight + 1;
+    return n + *room > most ? n + *room : most;
+}
+
+// What helps, beside a limit above what other programs read.
+static kn_status no_room(kn_ctx *ctx, const kn_job *job, const kn_job_base *b, const kn_spline *face, int tile,
+                         int factor, int origin)
+{
+    int limit = job->options.max_degree, need = tile * factor, fits = limit / factor;
+    char other[48] = "";
+    if (fits > 0) (void)snprintf(other, sizeof other, ", or a tile of degree %d at most", fits);
+    const char *field = job->options.stretch ? ", or no stretch"
+                        : b->thickness.coef  ? ", or a thickness of lower degree"
+                                             : "";
+    const char *much = need > KN_MAX_DEGREE ? ", which is more than there is"
+                       : need > 25          ? ", which readers of STEP may refuse"
+                                            : "";
+    return kn_fail(ctx, KN_EDOMAIN,
+                   "job: tile patches of degree %d over surface %d of degrees %d, %d compose to degree %d or more, "
+                   "and the limit is %d: --max-degree %d is needed%s%s%s",
+                   tile, origin, face->degree[0], face->degree[1], need, limit, need, much, other, field);
+}
+
+// A tile patch of degree m composes to degree m times the largest sum of a term's degrees and its power of w: those of
+// S, of h n and 1, of psi and k; where S is rational those of the weight come to the fields.
+static kn_status fit_degrees(kn_ctx *ctx, kn_job *job, const kn_job_bases *bases)
+{
+    int tile = kn_job_tile_degree(job), limit = job->options.max_degree;
+    int power = job->options.attraction_power > 0 ? job->options.attraction_power : 2;
+    for (int s = 0; s < job->nsurfaces; s++) {
+        const kn_spline *face = &bases->faces[s];
+        int room, least = least_factor(&room, &bases->list[s], face, power);
+        if (tile * least > limit)
+            return no_room(ctx, job, &bases->list[s], face, tile, least, job->surfaces[s].origin);
+        job->surfaces[s].degree_sum = limit / tile - room;
+        job->surfaces[s].tile_degree = tile;
+    }
+    return KN_OK;
+}
+
+typedef struct shells {
+    kn_job *job;
+    const kn_job_bases *bases;
+    double w[2]; // the heights that the tile occupies
+} shells;
+
+// The degree of n in each variable, or of m: what there is room for, up to the usual one.
+static int normal_degree(const kn_job *job, const kn_job_surface *to, const kn_spline *face)
+{
+    int room = to->degree_sum;
+    if (job->options.normal == KN_NORMAL_EXACT_DIRECTION) // N has less at a pole
+        for (int v = 0; v < 2; v++) room -= (face->rational ? 3 : 2) * face->degree[v] - 1;
+    int degree = room / 2 < usual_normal_degree ? room / 2 : usual_normal_degree;
+    return degree > least_normal_degree ? degree : least_normal_degree;
+}
+
+// An exact direction may have a higher degree than there is room for.
+static kn_status check_normal(kn_ctx *ctx, const kn_job *job, const kn_job_surface *s)
+{
+    const kn_spline *n = kn_shell_normal(s->shell);
+    int degree = n->coef ? n->degree[0] + n->degree[1] : 0, room = job->options.max_degree / s->tile_degree;
+    if (job->options.normal != KN_NORMAL_EXACT_DIRECTION || degree <= s->degree_sum) return KN_OK;
+    int need = s->tile_degree * (degree + room - s->degree_sum);
+    return kn_fail(
+        ctx, KN_EDOMAIN,
+        "job: with a normal of exact direction, of degrees %d, %d, over surface %d tile patches of degree %d "
+        "compose to degree %d, and the limit is %d: --max-degree %d is needed%s",
+        n->degree[0], n->degree[1], s->origin, s->tile_degree, need, job->options.max_degree, need,
+        need > KN_MAX_DEGREE ? ", which is more than there is" : "");
+}
+
+static const kn_spline *given(const kn_spline *s)
+{
+    return s->coef ? s : NULL;
+}
+
+// A shell does not know which surface it is of.
+static kn_status name_surface(kn_ctx *ctx, kn_status status, int origin)
+{
+    char message[400];
+    (void)snprintf(message, sizeof message, "%s", kn_ctx_message(ctx));
+    if (message[0] == 0 || status == KN_ENOMEM || status == KN_ECANCELLED) return status;
+    kn_ctx_clear_error(ctx);
+    return kn_fail(ctx, status, "job: surface %d: %s", origin, message);
+}
+
+static kn_status make_shell(kn_ctx *ctx, void *user, size_t index)
+{
+    const shells *all = user;
+    const kn_job_base *base = &all->bases->list[index];
+    const kn_job_options *options = &all->job->options;
+    kn_job_surface *to = &all->job->surfaces[index];
+    kn_shell_options o = kn_shell_defaults();
+    for (int d = 0; d < 2; d++) {
+        o.lines[d] = to->lines[d];
+        o.nlines[d] = to->cells[d] + 1;
+        if (4 * to->cells[d] > 4096 && 4 * to->cells[d] > o.max_spans) o.max_spans = 4 * to->cells[d];
+    }
+    o.normal_tol = options->normal_tol;
+    o.normal = options->normal;
+    o.direction = given(&base->direction), o.thickness = given(&base->thickness);
+    o.attraction = given(&base->attraction), o.attraction_power = options->attraction_power;
+    if (!o.direction && !base->volume.coef) o.max_degree = normal_degree(all->job, to, &all->bases->faces[index]);
+    kn_status status = base->volume.coef ? kn_shell_from_volume(ctx, &to->shell, &base->volume, &o)
+                                         : kn_shell_create(ctx, &to->shell, &all->bases->faces[index], &o);
+    if (status == KN_OK && !o.direction) status = check_normal(ctx, all->job, to);
+    if (status != KN_OK) return to->shell ? status : name_surface(ctx, status, to->origin);
+
+    kn_shell_closed(to->shell, to->closed);
+    return kn_shell_jacobian_bounds(ctx, &to->jacobian[0], &to->jacobian[1], to->shell, all->w[0], all->w[1]);
+}
+
+kn_status kn_job_make_shells(kn_ctx *ctx, kn_job *job, const kn_job_bases *bases)
+{
+    shells all = {job, bases, {INFINITY, -INFINITY}};
+    for (int k = 0; k < job->npatches; k++) {
+        size_t n = kn_bezier_count(&job->patches[k].d);
+        const double *w = job->patches[k].d.coef + 2 * n;
+        for (size_t i = 0; i < n; i++) {
+            all.w[0] = fmin(all.w[0], w[i]);
+            all.w[1] = fmax(all.w[1], w[i]);
+        }
+    }
+    kn_status status = fit_degrees(ctx, job, bases);
+    if (status == KN_OK) status = kn_parallel(ctx, (size_t)job->nsurfaces, make_shell, &all, "shell");
+    if (status == KN_OK) status = kn_job_match_edges(ctx, job, all.w);
+    job->report.jacobian_lo = INFINITY;
+    job->report.jacobian_hi = -INFINITY;
+    for (int s = 0; status == KN_OK && s < job->nsurfaces; s++) {
+        job->report.jacobian_lo = fmin(job->report.jacobian_lo, job->surfaces[s].jacobian[0]);
+        job->report.jacobian_hi = fmax(job->report.jacobian_hi, job->surfaces[s].jacobian[1]);
+    }
+    return status;
+}
