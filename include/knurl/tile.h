@@ -27,7 +27,21 @@ typedef struct kn_tile_part {
     kn_trim *trims;     // of each spline, empty unless it is a trimmed surface; NULL: none is
     int nsplines;
     kn_mesh mesh; // empty: none
+    // Where parameter k of the tile, at its target, puts spline i: targets[k * nsplines + i], of the same degrees and
+    // knots, or empty where it changes nothing; and the mesh's vertices: mesh_targets[k], 3 numbers each, or NULL.
+    // NULL: no parameter changes the part.
+    kn_spline *targets;
+    double **mesh_targets;
 } kn_tile_part;
+
+// A number by which a tile can be varied (a blend shape): control points are P + sum over parameters of
+// (x - value) / (target - value) (P at the target - P).
+typedef struct kn_tile_parameter {
+    char name[KN_NAME_BYTES];
+    double value;  // at which the tile is as its parts say
+    double target; // at which it is as their targets say; not `value`
+    double lo, hi; // what makes sense
+} kn_tile_parameter;
 
 // A texture over the unit cell of (u,v); w in [0,1] spans the height. Surfaces may reach into neighbouring cells.
 typedef struct kn_tile {
@@ -37,6 +51,8 @@ typedef struct kn_tile {
     double aspect; // height of w = 1 over the cell's width at which the tile looks as it was modelled
     kn_tile_part *parts;
     int nparts;
+    kn_tile_parameter *parameters;
+    int nparameters;
 } kn_tile;
 
 // A tile of nparts >= 1 empty parts. Everything in a tile belongs to it; out is overwritten, kn_tile_clear ends it.
