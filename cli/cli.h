@@ -185,6 +185,7 @@ void cli_job_range(const cli_job *job, double range[2]);
 bool cli_set_rotation(const char *name, double degrees, kn_job_options *job);
 bool cli_set_max_degree(const char *name, const char *text, kn_job_options *job);
 bool cli_set_unit(const char *name, const char *text, double *unit_mm);
+bool cli_set_cell(const char *name, const char *text, double cell[4]);
 bool cli_set_side(const char *name, const char *text, kn_job_options *job);
 bool cli_set_normal(const char *name, const char *text, kn_job_options *job);
 bool cli_set_spacing(const char *name, const char *text, kn_job_options *job);
@@ -225,6 +226,10 @@ void cli_print_apply(const cli_apply *apply, const kn_job_report *report, const 
 // Creases, poles, apexes and places without a normal of a model's surfaces, as arrays in notes; and as lines of text.
 kn_status cli_look_at_edges(kn_ctx *ctx, struct json_t *notes, const kn_model *model);
 void cli_print_edges(const struct json_t *notes);
+
+// ---- tiles ----
+// What is proved of a tile: its periodicity, and whether it covers. Exit code.
+int cli_check_tile(cli_session *session, const kn_tile *tile, bool json);
 
 // ---- commands: argv[0] is the command's name ----
 int cli_command_apply(int argc, char **argv);

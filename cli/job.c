@@ -34,14 +34,6 @@ cli_job cli_job_defaults(void)
     return (cli_job){.options = kn_job_defaults(), .unit_mm = 1};
 }
 
-static bool set_cell(cli_job *job, const char *text)
-{
-    int n = cli_list("--tile-cell", text, job->cell, 4);
-    if (n == 4 && job->cell[0] < job->cell[2] && job->cell[1] < job->cell[3]) return job->has_cell = true;
-    if (n > 0) cli_error("--tile-cell: expected U0,V0,U1,V1 with U0 < U1 and V0 < V1, got '%s'", text);
-    return false;
-}
-
 // "L" for both directions, or "L,L".
 static bool set_size(cli_job *job, const char *text)
 {
@@ -73,7 +65,7 @@ bool cli_job_set(cli_job *job, int option, const char *value)
     }
     switch (option) {
     case CLI_TILE: job->tile = value; return true;
-    case CLI_TILE_CELL: return set_cell(job, value);
+    case CLI_TILE_CELL: return job->has_cell = cli_set_cell("--tile-cell", value, job->cell);
     case CLI_COUNT: return cli_int_pair("--count", value, 1, CLI_MAX_COUNT, o->count);
     case CLI_SIZE: return set_size(job, value);
     case CLI_SPACING: return cli_set_spacing("--spacing", value, o);

@@ -1,12 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
-// knurl tiles: what is built in.
+// knurl tiles: what is built in; with --check what is proved of one tile.
 #include "cli/cli.h"
 
 #include <jansson.h>
 #include <string.h>
 
-enum { JSON, HELP };
-static const cli_option options[] = {[JSON] = {"json", 0, false}, [HELP] = {"help", 'h', false}};
+enum { CHECK, CELL, JSON, HELP };
+static const cli_option options[] = {[CHECK] = {"check", 0, true},
+                                     [CELL] = {"tile-cell", 0, true},
+                                     [JSON] = {"json", 0, false},
+                                     [HELP] = {"help", 'h', false}};
+
+typedef struct request {
+    const char *check; // a tile's name or file; NULL: list
+    double cell[4];
+    bool has_cell, json;
+} request;
 
 static size_t count_patches(const kn_tile *tile)
 {
@@ -25,8 +34,7 @@ static void tile_degree(const kn_tile *tile, int degree[2])
     for (int p = 0; p < tile->nparts; p++)
         for (int s = 0; s < tile->parts[p].nsplines; s++)
             for (int d = 0; d < 2; d++)
-                if (tile->parts[p].splines[s].degree[d] > degree[d])
-                    degree[d] = tile->parts[p].splines[s].degree[d];
+                if (tile->parts[p].splines[s].degree[d] > degree[d]) degree[d] = tile->parts[p].splines[s].degree[d];
 }
 
 static json_t *tile_json(const kn_tile *tile)
@@ -65,6 +73,22 @@ static int list(cli_session *session, bool json)
     return code;
 }
 
+static int check(cli_session *session, const request *r)
+{
+    kn_tile tile = {0};
+    int code = cli_read_tile(session, &tile, r->check, r->has_cell ? r->cell : NULL);
+    if (code == EXIT_OK) code = cli_check_tile(session, &tile, r->json);
+    kn_tile_clear(cli_ctx(session), &tile);
+    return code;
+}
+
+static bool set_option(request *r, int option, const char *value)
+{
+    if (option == CHECK) return (r->check = value) != NULL;
+    if (option == CELL) return r->has_cell = cli_set_cell("--tile-cell", value, r->cell);
+    return r->json = true;
+}
+
 int cli_command_tiles(int argc, char **argv)
 {
     cli_args args = {.argc = argc,
@@ -73,20 +97,19 @@ int cli_command_tiles(int argc, char **argv)
                      .options = options,
                      .command = "tiles",
                      .noptions = sizeof options / sizeof *options};
-    bool json = false;
+    request r = {0};
     const char *value;
     for (int option; (option = cli_next(&args, &value)) != CLI_END;) {
-        if (option == CLI_BAD) return EXIT_USAGE;
         if (option == HELP) return cli_help(stdout, "tiles");
+        if (option == CLI_BAD || (option >= 0 && !set_option(&r, option, value))) return EXIT_USAGE;
         if (option == CLI_POSITIONAL) {
-            cli_error("tiles: takes no file, got '%s'", value);
+            cli_error("tiles: takes no file, got '%s' (--check TILE looks at one)", value);
             return EXIT_USAGE;
         }
-        json = true;
     }
     cli_session *session = cli_session_begin((cli_session_options){.threads = 1});
     if (!session) return EXIT_FAILED;
-    int code = list(session, json);
+    int code = r.check ? check(session, &r) : list(session, r.json);
     cli_session_end(session);
     return code;
 }

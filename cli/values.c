@@ -39,6 +39,14 @@ bool cli_set_max_degree(const char *name, const char *text, kn_job_options *job)
     return false;
 }
 
+bool cli_set_cell(const char *name, const char *text, double cell[4])
+{
+    int n = cli_list(name, text, cell, 4);
+    if (n == 4 && cell[0] < cell[2] && cell[1] < cell[3]) return true;
+    if (n > 0) cli_error("%s: expected U0,V0,U1,V1 with U0 < U1 and V0 < V1, got '%s'", name, text);
+    return false;
+}
+
 static const struct {
     const char *name;
     double mm;
