@@ -171,6 +171,15 @@ $(B)/gen/embedded.c: tools/embed.sh $(B)/embed.list $(EMBEDDED)
 	$(call say,EMBED,$@)
 	$(Q)tools/embed.sh data/tiles $(EMBEDDED) > $@
 
+# Writes them anew from their models; tiles-check compares what is there with what would be written.
+.PHONY: tiles tiles-check
+tiles:
+	$(Q)python3 tools/tiles data/tiles io/builtin_table.h
+tiles-check:
+	$(Q)rm -rf $(B)/tiles; python3 tools/tiles $(B)/tiles/data $(B)/tiles/table.h
+	$(Q)diff -r data/tiles $(B)/tiles/data && diff io/builtin_table.h $(B)/tiles/table.h || \
+	  { echo 'data/tiles and io/builtin_table.h differ from their models: run make tiles'; exit 1; }
+
 # ---- tests: each t_*.c is a program; it may use libknurl's internals, so it links the static library ----
 SUPPORT := $(B)/libsupport.a
 $(SUPPORT): $(call objects,$(SUPPORT_SRC))

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// kn_builtin_tile: the tiles that knurl brings along. Their geometry is data/tiles/<tile>/<part>.g2, which the build
-// puts into the library (io/embedded.h) and tools/model_tiles.py made; docs/tiles.md describes them.
+// kn_builtin_tile: the tiles that knurl brings along. tools/tiles makes them: their geometry, data/tiles/<tile>/<part>.g2
+// and <part>@<parameter>.g2 (the part with a parameter at its target), which the build puts into the library
+// (io/embedded.h), and io/builtin_table.h. docs/tiles.md describes them.
 #include "io/embedded.h"
 #include "kernel/context.h"
 
@@ -9,8 +10,6 @@
 #include <stdio.h>
 #include <string.h>
 
-enum { MAX_PARTS = 2 };
-
 typedef struct part_source {
     const char *name; // of the part and of its file
     kn_material material;
@@ -18,42 +17,15 @@ typedef struct part_source {
 
 typedef struct tile_source {
     const char *name, *about;
-    double aspect; // as in tools/model_tiles.py
-    part_source part[MAX_PARTS];
-    int nparts;
+    double aspect;
+    const part_source *part;
+    const kn_tile_parameter *parameter;
+    int nparts, nparameters;
     bool covering;
 } tile_source;
 
 static const tile_source SOURCES[] = {
-    {.name = "chain",
-     .about = "chain mail: a flat ring in each cell, joined to all four neighbours by upright links",
-     .aspect = 0.5,
-     .part = {{"ring", {{1.0, 0.71, 0.29}, 1.0, 0.22}}, {"link", {{0.96, 0.64, 0.49}, 1.0, 0.26}}},
-     .nparts = 2},
-    {.name = "scale",
-     .about = "overlapping scales with a ridge, two staggered rows in each cell, tips towards +v",
-     .aspect = 0.3125,
-     .part = {{"scale", {{0.04, 0.27, 0.19}, 0.25, 0.28}}},
-     .nparts = 1,
-     .covering = true},
-    {.name = "thorn",
-     .about = "a smooth sheet out of which one bent thorn grows, leaning towards +u",
-     .aspect = 0.75,
-     .part = {{"thorn", {{0.42, 0.28, 0.14}, 0.0, 0.4}}},
-     .nparts = 1,
-     .covering = true},
-    {.name = "knurl",
-     .about = "diamond knurling: pyramids with flattened crests between crossing V grooves",
-     .aspect = 0.1875,
-     .part = {{"knurl", {{0.55, 0.56, 0.58}, 1.0, 0.32}}},
-     .nparts = 1,
-     .covering = true},
-    {.name = "bump",
-     .about = "one smooth dome in each cell",
-     .aspect = 0.25,
-     .part = {{"bump", {{0.5, 0.05, 0.03}, 0.0, 0.25}}},
-     .nparts = 1,
-     .covering = true},
+#include "io/builtin_table.h"
 };
 
 enum { SOURCE_COUNT = sizeof SOURCES / sizeof *SOURCES };
@@ -75,6 +47,11 @@ static const kn_embedded_file *find_file(const char *path)
     return NULL;
 }
 
+static kn_status parse(kn_ctx *ctx, kn_model *model, const kn_embedded_file *file)
+{
+    return kn_parse_g2(ctx, model, file->path, file->bytes, file->size);
+}
+
 static kn_status load_part(kn_ctx *ctx, kn_tile_part *part, const char *tile, const part_source *source)
 {
     char path[2 * KN_NAME_BYTES];
@@ -82,13 +59,60 @@ static kn_status load_part(kn_ctx *ctx, kn_tile_part *part, const char *tile, co
     const kn_embedded_file *file = find_file(path);
     if (!file) return kn_fail(ctx, KN_ENOTBUILT, "tile %s: this build lacks data/tiles/%s", tile, path);
     kn_model model = {0};
-    kn_status status = kn_parse_g2(ctx, &model, path, file->bytes, file->size);
+    kn_status status = parse(ctx, &model, file);
     if (status != KN_OK) return status;
     snprintf(part->name, sizeof part->name, "%s", source->name);
     part->material = source->material;
     part->splines = model.splines;
     part->nsplines = model.nsplines;
     return KN_OK;
+}
+
+static bool same_points(const kn_spline *a, const kn_spline *b)
+{
+    size_t n = (size_t)a->ncomp * kn_spline_count(a), i = 0;
+    if (n != (size_t)b->ncomp * kn_spline_count(b)) return false;
+    while (i < n && a->coef[i] == b->coef[i]) i++;
+    return i == n;
+}
+
+// The targets of parameter k of the part, where it has a file: splines that it leaves as they are stay empty.
+static kn_status load_targets(kn_ctx *ctx, kn_tile *tile, kn_tile_part *part, int k)
+{
+    char path[4 * KN_NAME_BYTES];
+    snprintf(path, sizeof path, "%s/%s@%s.g2", tile->name, part->name, tile->parameters[k].name);
+    const kn_embedded_file *file = find_file(path);
+    if (!file) return KN_OK;
+    size_t n = (size_t)part->nsplines;
+    if (!part->targets) part->targets = kn_alloc_zero(ctx, (size_t)tile->nparameters * n, sizeof *part->targets);
+    if (!part->targets) return KN_ENOMEM;
+    kn_model model = {0};
+    kn_status status = parse(ctx, &model, file);
+    if (status == KN_OK && (size_t)model.nsplines != n)
+        status = kn_fail(ctx, KN_EDOMAIN, "data/tiles/%s has %d splines, not %d", path, model.nsplines,
+                         part->nsplines);
+    for (size_t i = 0; i < n && status == KN_OK; i++) {
+        if (same_points(&model.splines[i], &part->splines[i])) continue;
+        part->targets[(size_t)k * n + i] = model.splines[i];
+        model.splines[i] = (kn_spline){0};
+    }
+    kn_model_clear(ctx, &model);
+    return status;
+}
+
+static kn_status load_parameters(kn_ctx *ctx, kn_tile *tile, const tile_source *source)
+{
+    if (source->nparameters == 0) return KN_OK;
+    size_t n = (size_t)source->nparameters;
+    tile->parameters = kn_alloc(ctx, n, sizeof *tile->parameters);
+    if (!tile->parameters) return KN_ENOMEM;
+    memcpy(tile->parameters, source->parameter, n * sizeof *tile->parameters);
+    tile->nparameters = source->nparameters;
+    kn_status status = KN_OK;
+    for (int p = 0; p < tile->nparts; p++)
+        for (int k = 0; k < tile->nparameters && status == KN_OK; k++)
+            status = load_targets(ctx, tile, &tile->parts[p], k);
+    return status;
 }
 
 kn_status kn_builtin_tile(kn_ctx *ctx, kn_tile *out, const char *name)
@@ -106,6 +130,7 @@ kn_status kn_builtin_tile(kn_ctx *ctx, kn_tile *out, const char *name)
     tile.aspect = source->aspect;
     for (int i = 0; i < source->nparts && status == KN_OK; i++)
         status = load_part(ctx, &tile.parts[i], source->name, &source->part[i]);
+    if (status == KN_OK) status = load_parameters(ctx, &tile, source);
     if (status == KN_OK) status = kn_tile_check(ctx, &tile);
     if (status == KN_OK)
         *out = tile;

@@ -59,6 +59,11 @@ step layers "$make" O="$out" layers
 step symbols "$make" O="$out" symbols
 step api "$make" O="$out" api
 step selftest "$make" O="$out" selftest
+if command -v python3 >/dev/null; then
+    step tiles "$make" O="$out" tiles-check
+else
+    skipped=$((skipped + 1))
+fi
 step headers "$make" O="$out" headers
 step format "$make" O="$out" format
 step install "$make" O="$out" install DESTDIR="$stage" PREFIX=/usr
