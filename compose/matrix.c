@@ -4,19 +4,26 @@
 
 #include <knurl/compose.h>
 
-// One column to the rows that `tile` (a patch, or one of its edges) stands for: row q of the tile's own coefficients
-// is row first + q * step of the matrix, `step` < 0 for an edge that is seen backwards.
+enum { VARS = 3 };
+
+// One column to the rows that a tile (a patch, or one of its faces, edges, corners) stands for: row (i_0, i_1, ..) of
+// its own coefficients is row first + sum of i_v step[v] of the matrix, a step < 0 where it is seen backwards.
 typedef struct target {
     kn_compose_matrix *matrix;
-    size_t first;
-    ptrdiff_t step;
+    ptrdiff_t first, step[VARS];
+    int rows_degree[VARS];
 } target;
 
 static void write_column(const target *to, const kn_bezier *b, size_t column)
 {
-    ptrdiff_t n = (ptrdiff_t)kn_bezier_count(b), row = (ptrdiff_t)to->first;
-    for (ptrdiff_t q = 0; q < n; q++, row += to->step)
-        to->matrix->m[(size_t)row * to->matrix->cols + column] = b->coef[q];
+    const int *last = to->rows_degree; // 0 in variables that b has not
+    size_t q = 0;
+    for (int i = 0; i <= last[0]; i++)
+        for (int j = 0; j <= last[1]; j++)
+            for (int k = 0; k <= last[2]; k++) {
+                ptrdiff_t row = to->first + i * to->step[0] + j * to->step[1] + k * to->step[2];
+                to->matrix->m[(size_t)row * to->matrix->cols + column] = b->coef[q++];
+            }
 }
 
 typedef struct factors {
@@ -41,9 +48,8 @@ static kn_status make_factors(kn_ctx *ctx, factors *f, const kn_bezier *tile, in
     return status;
 }
 
-// All columns, for a tile of one or two variables.
-static kn_status fill(kn_ctx *ctx, const target *to, const kn_bezier *tile, const int degree[2], int power,
-                      const int *rows_degree)
+// All columns, for a tile of any number of variables.
+static kn_status fill(kn_ctx *ctx, const target *to, const kn_bezier *tile, const int degree[2], int power)
 {
     factors f = {kn_compose_list(ctx, degree[0] + 1), kn_compose_list(ctx, degree[1] + 1), degree};
     kn_bezier column = {0};
@@ -52,7 +58,7 @@ static kn_status fill(kn_ctx *ctx, const target *to, const kn_bezier *tile, cons
     for (int a = 0; status == KN_OK && a <= degree[0]; a++)
         for (int b = 0; status == KN_OK && b <= degree[1]; b++) {
             status = kn_bezier_product(ctx, &column, &f.u[a], &f.v[b]);
-            if (status == KN_OK) status = kn_bezier_elevate(ctx, &column, &column, rows_degree);
+            if (status == KN_OK) status = kn_bezier_elevate(ctx, &column, &column, to->rows_degree);
             if (status == KN_OK) write_column(to, &column, at++);
         }
     kn_bezier_clear(ctx, &column);
@@ -61,70 +67,130 @@ static kn_status fill(kn_ctx *ctx, const target *to, const kn_bezier *tile, cons
     return status;
 }
 
-// Whether (u, v, w)(1 - x) comes before (u, v, w)(x) in the lexicographic order of coefficients.
-static bool runs_backwards(const kn_bezier *edge)
+// ---- faces, edges and corners ----
+
+// A way to run through a part of a patch: variable v of the way is free variable of[v] of the patch, backwards or not.
+typedef struct way {
+    int nvars, of[VARS];
+    bool back[VARS];
+} way;
+
+// Where the coefficients of the part lie: at the ends that are fixed, and along the ways.
+typedef struct layout {
+    ptrdiff_t first, step[VARS];
+    int degree[VARS];
+} layout;
+
+static layout lay_out(const way *w, const int *degree, int nvars, const int *fixed)
 {
-    size_t n = (size_t)edge->degree[0] + 1;
-    for (int c = 0; c < edge->ncomp; c++)
-        for (size_t i = 0; i < n; i++) {
-            double forward = edge->coef[(size_t)c * n + i], backward = edge->coef[(size_t)c * n + n - 1 - i];
-            if (forward != backward) return backward < forward;
-        }
+    layout l = {0};
+    ptrdiff_t stride[VARS], n = 1;
+    for (int v = nvars - 1; v >= 0; n *= degree[v--] + 1) stride[v] = n;
+    for (int v = 0; v < nvars; v++)
+        if (fixed[v] == 1) l.first += degree[v] * stride[v];
+    for (int v = 0; v < w->nvars; v++) {
+        l.degree[v] = degree[w->of[v]];
+        l.step[v] = w->back[v] ? -stride[w->of[v]] : stride[w->of[v]];
+        if (w->back[v]) l.first += l.degree[v] * stride[w->of[v]];
+    }
+    return l;
+}
+
+// The part of the tile, run through that way.
+static kn_status part_of(kn_ctx *ctx, kn_bezier *out, const kn_bezier *tile, const way *w, const int *fixed)
+{
+    layout l = lay_out(w, tile->degree, tile->nvars, fixed);
+    kn_bezier part = {0};
+    kn_status status = kn_bezier_init(ctx, &part, w->nvars, 3, false, l.degree);
+    if (status != KN_OK) return status;
+    size_t n = kn_bezier_count(tile), at = 0;
+    for (size_t c = 0; c < 3; c++)
+        for (int i = 0; i <= l.degree[0]; i++)
+            for (int j = 0; j <= l.degree[1]; j++)
+                for (int k = 0; k <= l.degree[2]; k++) {
+                    ptrdiff_t from = l.first + i * l.step[0] + j * l.step[1] + k * l.step[2];
+                    part.coef[at++] = tile->coef[c * n + (size_t)from];
+                }
+    kn_bezier_swap(out, &part);
+    kn_bezier_clear(ctx, &part);
+    return KN_OK;
+}
+
+// Degrees, then coefficients, in lexicographic order.
+static bool comes_before(const kn_bezier *a, const kn_bezier *b)
+{
+    for (int v = 0; v < a->nvars; v++)
+        if (a->degree[v] != b->degree[v]) return a->degree[v] < b->degree[v];
+    size_t n = 3 * kn_bezier_count(a);
+    for (size_t i = 0; i < n; i++)
+        if (a->coef[i] != b->coef[i]) return a->coef[i] < b->coef[i];
     return false;
 }
 
-static void reverse(kn_bezier *edge)
-{
-    size_t n = (size_t)edge->degree[0] + 1;
-    for (int c = 0; c < edge->ncomp; c++)
-        for (size_t i = 0; i < n / 2; i++) {
-            double *a = &edge->coef[(size_t)c * n + i], *b = &edge->coef[(size_t)c * n + n - 1 - i], t = *a;
-            *a = *b;
-            *b = t;
-        }
-}
-
-// The rows of an edge depend on the edge alone, and edges that two patches share must get the same numbers, whichever
-// patch they are computed from and whichever way it runs: so they are computed again from the edge by itself, in the
-// direction that comes first in the lexicographic order.
-static kn_status fill_edge(kn_ctx *ctx, kn_compose_matrix *out, const kn_bezier *tile, int along, bool far,
+// Rows of a face, an edge or a corner depend on it alone, and those that two patches share must get the same numbers,
+// whichever patch they are computed from and whichever way it runs: so they are computed again from that part by
+// itself, in the way that comes first of all (at most eight). fixed[v]: -1 free, else the end.
+static kn_status fill_part(kn_ctx *ctx, kn_compose_matrix *out, const kn_bezier *tile, const int *fixed,
                            const int degree[2], int power)
 {
-    kn_bezier edge = {0};
-    kn_status status = kn_bezier_init(ctx, &edge, 1, 3, false, &tile->degree[along]);
-    if (status != KN_OK) return status;
-    size_t n = (size_t)tile->degree[along] + 1, count = kn_bezier_count(tile);
-    size_t row = (size_t)tile->degree[1] + 1, step = along == 0 ? row : 1;
-    size_t start = !far ? 0 : along == 0 ? row - 1 : count - row;
-    for (int c = 0; c < 3; c++)
-        for (size_t i = 0; i < n; i++)
-            edge.coef[(size_t)c * n + i] = tile->coef[(size_t)c * count + start + i * step];
-
-    size_t rows_row = (size_t)out->rows_degree[1] + 1, length = (size_t)out->rows_degree[along];
-    target to = {out,
-                 !far         ? 0
-                 : along == 0 ? rows_row - 1
-                              : out->rows - rows_row,
-                 along == 0 ? (ptrdiff_t)rows_row : 1};
-    if (runs_backwards(&edge)) {
-        reverse(&edge);
-        to.first += length * (size_t)to.step;
-        to.step = -to.step;
+    way w = {0}, best;
+    kn_bezier part = {0}, least = {0};
+    kn_status status = KN_OK;
+    for (int v = 0; v < tile->nvars; v++)
+        if (fixed[v] < 0) w.of[w.nvars++] = v;
+    best = w;
+    int ways = w.nvars == 2 ? 8 : w.nvars == 1 ? 2 : 1;
+    for (int k = 0; status == KN_OK && k < ways; k++) {
+        for (int v = 0; v < w.nvars; v++) w.back[v] = (k >> v & 1) != 0;
+        if (k == 4) {
+            int first = w.of[0];
+            w.of[0] = w.of[1], w.of[1] = first;
+        }
+        status = part_of(ctx, &part, tile, &w, fixed);
+        if (status != KN_OK || (k > 0 && !comes_before(&part, &least))) continue;
+        kn_bezier_swap(&least, &part);
+        best = w;
     }
-    status = fill(ctx, &to, &edge, degree, power, &out->rows_degree[along]);
-    kn_bezier_clear(ctx, &edge);
+    if (status == KN_OK) {
+        layout l = lay_out(&best, out->rows_degree, tile->nvars, fixed);
+        target to = {.matrix = out, .first = l.first};
+        for (int v = 0; v < best.nvars; v++) to.step[v] = l.step[v], to.rows_degree[v] = l.degree[v];
+        status = fill(ctx, &to, &least, degree, power);
+    }
+    kn_bezier_clear(ctx, &part);
+    kn_bezier_clear(ctx, &least);
     return status;
 }
 
-static kn_status check(kn_ctx *ctx, const kn_bezier *tile, const int degree[2], int power, const int rows_degree[2])
+// Parts of ever fewer variables: each replaces what the larger ones have put on it.
+static kn_status fill_parts(kn_ctx *ctx, kn_compose_matrix *out, const kn_bezier *tile, const int degree[2],
+                            int power)
 {
-    if (!tile->coef || tile->nvars != 2 || tile->ncomp != 3 || tile->rational)
-        return kn_fail(ctx, KN_EDOMAIN, "compose matrix: a tile patch has two variables and three components");
+    int parts = tile->nvars == 3 ? 27 : tile->nvars == 2 ? 9 : 3;
+    kn_status status = KN_OK;
+    for (int nfree = tile->nvars - 1; nfree >= 0; nfree--)
+        for (int k = 0; status == KN_OK && k < parts; k++) {
+            int fixed[VARS], n = 0;
+            for (int v = 0, rest = k; v < tile->nvars; v++, rest /= 3) {
+                fixed[v] = rest % 3 - 1;
+                n += fixed[v] < 0;
+            }
+            if (n == nfree) status = fill_part(ctx, out, tile, fixed, degree, power);
+        }
+    return status;
+}
+
+static kn_status check(kn_ctx *ctx, const kn_bezier *tile, const int degree[2], int power, const int *rows_degree)
+{
+    if (!tile->coef || tile->nvars < 1 || tile->nvars > VARS || tile->ncomp != 3 || tile->rational)
+        return kn_fail(ctx, KN_EDOMAIN,
+                       "compose matrix: a tile patch has one to three variables and three components");
     if (degree[0] < 0 || degree[1] < 0 || power < 0)
         return kn_fail(ctx, KN_EDOMAIN, "compose matrix: degrees %d, %d, power %d", degree[0], degree[1], power);
     if (degree[0] > KN_MAX_DEGREE || degree[1] > KN_MAX_DEGREE || power > KN_MAX_DEGREE)
         return kn_fail(ctx, KN_ELIMIT, "compose matrix: degrees %d, %d, power %d", degree[0], degree[1], power);
-    for (int d = 0; d < 2; d++) {
+    size_t rows = 1;
+    for (int d = 0; d < tile->nvars; d++) {
         int least = tile->degree[d] * (degree[0] + degree[1] + power);
         if (least > KN_MAX_DEGREE || rows_degree[d] > KN_MAX_DEGREE)
             return kn_fail(ctx, KN_ELIMIT, "compose matrix: degree %d in variable %d",
@@ -132,23 +198,28 @@ static kn_status check(kn_ctx *ctx, const kn_bezier *tile, const int degree[2], 
         if (rows_degree[d] < least)
             return kn_fail(ctx, KN_EDOMAIN, "compose matrix: degree %d in variable %d, but %d is asked for", least, d,
                            rows_degree[d]);
+        rows *= (size_t)rows_degree[d] + 1;
     }
+    if (rows > (size_t)KN_MAX_COEFS) return kn_fail(ctx, KN_ELIMIT, "compose matrix: %zu rows", rows);
     return KN_OK;
 }
 
 kn_status kn_compose_matrix_init(kn_ctx *ctx, kn_compose_matrix *out, const kn_bezier *tile, const int degree[2],
-                                 int power, const int rows_degree[2])
+                                 int power, const int *rows_degree)
 {
     kn_status status = check(ctx, tile, degree, power, rows_degree);
     if (status != KN_OK) return status;
-    kn_compose_matrix m = {.rows_degree = {rows_degree[0], rows_degree[1]},
-                           .rows = (size_t)(rows_degree[0] + 1) * (size_t)(rows_degree[1] + 1),
-                           .cols = (size_t)(degree[0] + 1) * (size_t)(degree[1] + 1)};
+    kn_compose_matrix m = {.rows = 1, .cols = (size_t)(degree[0] + 1) * (size_t)(degree[1] + 1)};
+    target whole = {.matrix = &m};
+    for (int d = tile->nvars - 1; d >= 0; d--) {
+        m.rows_degree[d] = whole.rows_degree[d] = rows_degree[d];
+        whole.step[d] = (ptrdiff_t)m.rows;
+        m.rows *= (size_t)rows_degree[d] + 1;
+    }
     m.m = kn_alloc(ctx, m.rows * m.cols, sizeof *m.m);
     if (!m.m) return KN_ENOMEM;
-    status = fill(ctx, &(target){&m, 0, 1}, tile, degree, power, rows_degree);
-    for (int edge = 0; status == KN_OK && edge < 4; edge++)
-        status = fill_edge(ctx, &m, tile, edge >> 1, (edge & 1) != 0, degree, power);
+    status = fill(ctx, &whole, tile, degree, power);
+    if (status == KN_OK) status = fill_parts(ctx, &m, tile, degree, power);
     if (status == KN_OK)
         *out = m;
     else

@@ -9,7 +9,8 @@
 
 enum {
     KN_JOB_MAX_COUNT = 1 << 16, // cells of one surface in one direction
-    KN_JOB_MAX_DEPTH = 10,      // bisections of a tile patch in r and in t each
+    KN_JOB_VARS = 3,            // most variables of a tile patch: curves, surfaces, volumes
+    KN_JOB_MAX_DEPTH = 10,      // bisections of a tile patch in each variable
     KN_JOB_MAX_SEGMENTS = 64,
     KN_JOB_MAX_REACH = 256, // cells that a tile reaches beyond its own, each way
 };
@@ -18,17 +19,22 @@ enum {
 // One Bezier patch of the placed tile, or what is left of it between the cell lines that cut it. d has (u, v, w), w
 // in length units, in the coordinates of the cell at `offset` from the tile's own.
 typedef struct kn_job_patch {
-    int part, patch;
+    int part, spline, patch; // patch: Bezier patch of the part, counted over its splines
     int offset[2];
     bool inside; // u and v of all control points within [0,1]
     double top;  // max |w|
-    kn_bezier d;
+    kn_bezier d; // of one to three variables
+    double lo[KN_JOB_VARS], hi[KN_JOB_VARS]; // where in the Bezier patch's [0,1]^n it lies
 } kn_job_patch;
+typedef struct kn_job_patches {
+    kn_job_patch *list;
+    int n, room;
+} kn_job_patches;
 
-// A dyadic part of a patch: [index, index + 1] / 2^level in r and in t.
+// A dyadic part of a patch: [index, index + 1] / 2^level in each variable; 0 in those that it has not.
 typedef struct kn_job_rect {
-    uint8_t level[2];
-    uint16_t index[2];
+    uint8_t level[KN_JOB_VARS];
+    uint16_t index[KN_JOB_VARS];
 } kn_job_rect;
 
 // One way to compose: which part of the tile, over which box of its cell, with which terms of the piece (degrees and
@@ -205,7 +211,17 @@ kn_status kn_job_measure_spread(kn_ctx *ctx, kn_job *job, const kn_spline *surfa
 // ---- patches.c ----
 // job->patches from job->tile and the options' height and offset.
 kn_status kn_job_make_patches(kn_ctx *ctx, kn_job *job);
-// The largest degree of job->tile's surfaces, and so of all patches.
+// Changes one Bezier patch (w in length units) of a tile before it is cut at cell lines.
+typedef struct kn_job_change {
+    void *user;
+    kn_status (*apply)(kn_ctx *ctx, void *user, kn_bezier *d, const kn_tile *tile, int part, int spline, int patch);
+} kn_job_change;
+// Appends the patches of a tile, placed by the options' height, offset and side, changed by `change` (NULL: not) and
+// cut at cell lines. On failure the list is as it was.
+kn_status kn_job_cut_patches(kn_ctx *ctx, kn_job_patches *out, const kn_tile *tile, const kn_job_options *options,
+                             const kn_job_change *change);
+void kn_job_patches_clear(kn_ctx *ctx, kn_job_patches *patches);
+// The largest degree of job->tile's splines, and so of all patches.
 int kn_job_tile_degree(const kn_job *job);
 
 // ---- rect.c ----
@@ -253,7 +269,7 @@ kn_status kn_job_keys_add(kn_ctx *ctx, uint32_t *index, kn_job_keys *keys, const
 // Surface and cell of the cell numbered `index` in the job's order.
 void kn_job_locate(const kn_job *job, size_t index, int *surface, int cell[2]);
 // The degree of the output patch of a key.
-void kn_job_degree(const kn_job *job, const kn_job_key *key, int degree[2]);
-void kn_job_segments(const kn_job *job, const kn_job_key *key, int segments[2]);
+void kn_job_degree(const kn_job *job, const kn_job_key *key, int degree[KN_JOB_VARS]);
+void kn_job_segments(const kn_job *job, const kn_job_key *key, int segments[KN_JOB_VARS]);
 
 #endif

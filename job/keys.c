@@ -15,17 +15,18 @@ static uint64_t term_of(const kn_job_key *k, int t)
     return (uint64_t)k->degree[t][0] << 16 | (uint64_t)k->degree[t][1] << 8 | k->power[t];
 }
 
-// All fields of a key but the terms, without loss: patch, levels, indices and what is left, and the flags.
+// All fields of a key but the terms, without loss: levels and indices; patch and the flags.
 static uint64_t place_of(const kn_job_key *k)
 {
-    uint64_t p = (uint32_t)k->patch;
-    for (int d = 0; d < 2; d++) p = (p << 4 | k->rect.level[d]) << 12 | k->rect.index[d];
+    uint64_t p = 0;
+    for (int d = 0; d < KN_JOB_VARS; d++) p = (p << 4 | k->rect.level[d]) << 12 | k->rect.index[d];
     return p;
 }
 
-static uint32_t kind_of(const kn_job_key *k)
+static uint64_t kind_of(const kn_job_key *k)
 {
-    return (uint32_t)k->factor << 16 | (uint32_t)k->nterms << 8 | (uint32_t)(k->turn << 2 | k->whole << 1 | k->exact);
+    uint32_t flags = (uint32_t)(k->turn << 2 | k->whole << 1 | k->exact);
+    return (uint64_t)(uint32_t)k->patch << 32 | (uint64_t)k->factor << 16 | (uint64_t)k->nterms << 8 | flags;
 }
 
 static bool same_key(const kn_job_key *a, const kn_job_key *b)
@@ -82,9 +83,10 @@ kn_status kn_job_keys_add(kn_ctx *ctx, uint32_t *index, kn_job_keys *keys, const
     return KN_OK;
 }
 
-void kn_job_degree(const kn_job *job, const kn_job_key *key, int degree[2])
+void kn_job_degree(const kn_job *job, const kn_job_key *key, int degree[KN_JOB_VARS])
 {
-    for (int d = 0; d < 2; d++) degree[d] = job->patches[key->patch].d.degree[d] * key->factor;
+    const kn_bezier *tile = &job->patches[key->patch].d;
+    for (int d = 0; d < KN_JOB_VARS; d++) degree[d] = d < tile->nvars ? tile->degree[d] * key->factor : 0;
 }
 
 void kn_job_locate(const kn_job *job, size_t index, int *surface, int cell[2])

@@ -30,19 +30,27 @@ static void range(double *lo, double *hi, const kn_bezier *d, int c)
     }
 }
 
+// Coefficients of d: flat index = (before * (degree[axis] + 1) + k) * after + rest.
+static void strides(size_t *before, size_t *after, const kn_bezier *d, int axis)
+{
+    *before = *after = 1;
+    for (int v = 0; v < d->nvars; v++)
+        if (v != axis) *(v < axis ? before : after) *= (size_t)d->degree[v] + 1;
+}
+
 // Whether component c depends on variable `axis` alone; its coefficients then go to x[0 .. degree].
 static bool depends_on(double *x, const kn_bezier *d, int c, int axis)
 {
-    size_t n = kn_bezier_count(d), row = (size_t)d->degree[1] + 1;
-    for (int i = 0; i <= d->degree[axis]; i++)
-        for (int j = 0; j <= d->degree[1 - axis]; j++) {
-            size_t at = axis == 0 ? (size_t)i * row + (size_t)j : (size_t)j * row + (size_t)i;
-            double value = d->coef[(size_t)c * n + at];
-            if (j == 0)
-                x[i] = value;
-            else if (fabs(value - x[i]) > near_line)
-                return false;
-        }
+    size_t n = kn_bezier_count(d), row = (size_t)d->degree[axis] + 1, before, after;
+    strides(&before, &after, d, axis);
+    for (size_t i = 0; i < n; i++) {
+        double value = d->coef[(size_t)c * n + i];
+        size_t k = i / after % row;
+        if (i % after == 0 && i / (after * row) == 0)
+            x[k] = value;
+        else if (fabs(value - x[k]) > near_line)
+            return false;
+    }
     return true;
 }
 
@@ -80,33 +88,46 @@ static double crossing(const double *x, int degree, double line, int first)
     }
 }
 
-// Coordinate c of the row at one end of variable `axis` becomes `line` exactly.
+// Coordinate c of the coefficients at one end of variable `axis` becomes `line` exactly.
 static void put_on_line(kn_bezier *d, int c, int axis, bool at_end, double line)
 {
-    size_t n = kn_bezier_count(d), row = (size_t)d->degree[1] + 1;
-    size_t start = !at_end ? 0 : axis == 0 ? n - row : row - 1, step = axis == 0 ? 1 : row;
-    for (int j = 0; j <= d->degree[1 - axis]; j++) d->coef[(size_t)c * n + start + (size_t)j * step] = line;
+    size_t n = kn_bezier_count(d), row = (size_t)d->degree[axis] + 1, before, after;
+    strides(&before, &after, d, axis);
+    for (size_t i = 0; i < before; i++)
+        for (size_t j = 0; j < after; j++)
+            d->coef[(size_t)c * n + (i * row + (at_end ? row - 1 : 0)) * after + j] = line;
 }
 
+// What is left of one Bezier patch of the tile.
+typedef struct fragment {
+    kn_bezier d;
+    double lo[KN_JOB_VARS], hi[KN_JOB_VARS]; // of the Bezier patch's [0,1]^n
+} fragment;
+
 typedef struct builder {
-    kn_job *job;
-    int part, patch;
-    int room;
+    kn_job_patches *out;
+    int part, spline, patch;
 } builder;
 
-// Moves d into the cell it lies in and appends it. A patch that reaches over a line stays in the tile's own cell if
-// it has any part there, and so does a wall along one of the cell's own lines, where n may jump.
-static kn_status append(kn_ctx *ctx, builder *b, kn_bezier *d)
+static kn_status reserve(kn_ctx *ctx, kn_job_patches *out)
 {
-    kn_job *job = b->job;
-    if (job->npatches == b->room) {
-        int room = b->room > 0 ? 2 * b->room : 32;
-        kn_job_patch *list = kn_resize(ctx, job->patches, (size_t)room, sizeof *list);
-        if (!list) return KN_ENOMEM;
-        job->patches = list;
-        b->room = room;
-    }
-    kn_job_patch p = {.part = b->part, .patch = b->patch, .inside = true};
+    if (out->n < out->room) return KN_OK;
+    int room = out->room > 0 ? 2 * out->room : 32;
+    kn_job_patch *list = kn_resize(ctx, out->list, (size_t)room, sizeof *list);
+    if (!list) return KN_ENOMEM;
+    out->list = list;
+    out->room = room;
+    return KN_OK;
+}
+
+// Moves the fragment into the cell it lies in and appends it. One that reaches over a line stays in the tile's own
+// cell if it has any part there, and so does a wall along one of the cell's own lines, where n may jump.
+static kn_status append(kn_ctx *ctx, builder *b, fragment *f)
+{
+    kn_status status = reserve(ctx, b->out);
+    if (status != KN_OK) return status;
+    kn_job_patch p = {.part = b->part, .spline = b->spline, .patch = b->patch, .inside = true};
+    kn_bezier *d = &f->d;
     size_t n = kn_bezier_count(d);
     double lo, hi;
     for (int c = 0; c < 2; c++) {
@@ -118,47 +139,54 @@ static kn_status append(kn_ctx *ctx, builder *b, kn_bezier *d)
     }
     range(&lo, &hi, d, 2);
     p.top = fmax(fabs(lo), fabs(hi));
+    for (int v = 0; v < d->nvars; v++) p.lo[v] = f->lo[v], p.hi[v] = f->hi[v];
     kn_bezier_swap(&p.d, d);
-    job->patches[job->npatches++] = p;
+    b->out->list[b->out->n++] = p;
     return KN_OK;
 }
 
-static kn_status split(kn_ctx *ctx, builder *b, kn_bezier *d, int c, int halvings);
+static kn_status split(kn_ctx *ctx, builder *b, fragment *f, int c, int halvings);
 
-static kn_status split_at(kn_ctx *ctx, builder *b, kn_bezier *d, int c, int axis, double at, const double *line,
+static kn_status split_at(kn_ctx *ctx, builder *b, const fragment *f, int c, int axis, double at, const double *line,
                           int halvings)
 {
-    kn_bezier left = {0}, right = {0};
-    kn_status status = kn_bezier_subdivide(ctx, &left, &right, d, axis, at);
+    fragment left = *f, right = *f;
+    left.d = right.d = (kn_bezier){0};
+    left.hi[axis] = right.lo[axis] = f->lo[axis] + at * (f->hi[axis] - f->lo[axis]);
+    kn_status status = kn_bezier_subdivide(ctx, &left.d, &right.d, &f->d, axis, at);
     if (status == KN_OK) {
-        if (line) put_on_line(&left, c, axis, true, *line);
-        if (line) put_on_line(&right, c, axis, false, *line);
-        snap(&left);
-        snap(&right);
+        if (line) put_on_line(&left.d, c, axis, true, *line);
+        if (line) put_on_line(&right.d, c, axis, false, *line);
+        snap(&left.d);
+        snap(&right.d);
         status = split(ctx, b, &left, c, halvings);
         if (status == KN_OK) status = split(ctx, b, &right, c, halvings);
     }
-    kn_bezier_clear(ctx, &left);
-    kn_bezier_clear(ctx, &right);
+    kn_bezier_clear(ctx, &left.d);
+    kn_bezier_clear(ctx, &right.d);
     return status;
 }
 
-// Cuts d at the lines that coordinate c crosses, c = u and then c = v, as far as it crosses them isoparametrically.
-static kn_status split(kn_ctx *ctx, builder *b, kn_bezier *d, int c, int halvings)
+// Cuts f at the lines that coordinate c crosses, c = u and then c = v, as far as it crosses them isoparametrically.
+static kn_status split(kn_ctx *ctx, builder *b, fragment *f, int c, int halvings)
 {
-    if (c == 2) return append(ctx, b, d);
+    if (c == 2) return append(ctx, b, f);
+    const kn_bezier *d = &f->d;
     double lo, hi, x[KN_MAX_DEGREE + 1];
     range(&lo, &hi, d, c);
     double line = floor(lo) + 1.0;
-    int first, axis = depends_on(x, d, c, 0) ? 0 : depends_on(x, d, c, 1) ? 1 : -1;
-    if (axis < 0 || line >= hi) return split(ctx, b, d, c + 1, 0);
+    int first, axis = -1;
+    for (int v = d->nvars - 1; v >= 0; v--)
+        if (depends_on(x, d, c, v)) axis = v;
+    if (axis < 0 || line >= hi) return split(ctx, b, f, c + 1, 0);
+    (void)depends_on(x, d, c, axis);
     int changes = sign_changes(x, d->degree[axis], line, &first);
     if (changes == 1) {
         double at = crossing(x, d->degree[axis], line, first);
-        if (at > 0.0 && at < 1.0) return split_at(ctx, b, d, c, axis, at, &line, halvings);
+        if (at > 0.0 && at < 1.0) return split_at(ctx, b, f, c, axis, at, &line, halvings);
     }
-    if (halvings == MAX_HALVINGS) return split(ctx, b, d, c + 1, 0);
-    return split_at(ctx, b, d, c, axis, 0.5, NULL, halvings + 1);
+    if (halvings == MAX_HALVINGS) return split(ctx, b, f, c + 1, 0);
+    return split_at(ctx, b, f, c, axis, 0.5, NULL, halvings + 1);
 }
 
 // Lines are counted one by one and in ints, and cut recursively.
@@ -180,29 +208,64 @@ static double place_w(const kn_job_options *o, double w)
     return o->offset + o->height * (o->side == KN_JOB_BOTH ? 2.0 * w - 1.0 : w);
 }
 
+static kn_status cut_bezier(kn_ctx *ctx, builder *b, kn_bezier *d, const kn_tile *tile, const kn_job_options *o,
+                            const kn_job_change *change)
+{
+    fragment f = {.hi = {1.0, 1.0, 1.0}};
+    size_t n = kn_bezier_count(d);
+    double *w = d->coef + 2 * n;
+    for (size_t k = 0; k < n; k++) w[k] = place_w(o, w[k]);
+    kn_status status = change ? change->apply(ctx, change->user, d, tile, b->part, b->spline, b->patch) : KN_OK;
+    if (status != KN_OK) return status;
+    snap(d);
+    status = check_reach(ctx, d);
+    kn_bezier_swap(&f.d, d);
+    if (status == KN_OK) status = split(ctx, b, &f, 0, 0);
+    kn_bezier_clear(ctx, &f.d);
+    return status;
+}
+
+static kn_status cut_spline(kn_ctx *ctx, builder *b, const kn_tile *tile, const kn_job_options *o,
+                            const kn_job_change *change)
+{
+    kn_bezier *pieces = NULL;
+    size_t n = 0;
+    kn_status status = kn_spline_to_bezier(ctx, &pieces, &n, &tile->parts[b->part].splines[b->spline]);
+    for (size_t i = 0; status == KN_OK && i < n; i++, b->patch++)
+        status = cut_bezier(ctx, b, &pieces[i], tile, o, change);
+    for (size_t i = 0; i < n; i++) kn_bezier_clear(ctx, &pieces[i]);
+    kn_free(ctx, pieces);
+    return status;
+}
+
+kn_status kn_job_cut_patches(kn_ctx *ctx, kn_job_patches *out, const kn_tile *tile, const kn_job_options *options,
+                             const kn_job_change *change)
+{
+    builder b = {.out = out};
+    kn_status status = KN_OK;
+    int before = out->n;
+    for (b.part = 0; status == KN_OK && b.part < tile->nparts; b.part++) {
+        b.patch = 0;
+        for (b.spline = 0; status == KN_OK && b.spline < tile->parts[b.part].nsplines; b.spline++)
+            status = cut_spline(ctx, &b, tile, options, change);
+    }
+    while (status != KN_OK && out->n > before) kn_bezier_clear(ctx, &out->list[--out->n].d);
+    return status;
+}
+
+void kn_job_patches_clear(kn_ctx *ctx, kn_job_patches *patches)
+{
+    for (int k = 0; k < patches->n; k++) kn_bezier_clear(ctx, &patches->list[k].d);
+    kn_free(ctx, patches->list);
+    *patches = (kn_job_patches){0};
+}
+
 kn_status kn_job_make_patches(kn_ctx *ctx, kn_job *job)
 {
-    builder b = {.job = job};
-    kn_status status = KN_OK;
-    for (b.part = 0; status == KN_OK && b.part < job->tile.nparts; b.part++) {
-        const kn_tile_part *part = &job->tile.parts[b.part];
-        b.patch = 0;
-        for (int s = 0; status == KN_OK && s < part->nsplines; s++) {
-            kn_bezier *pieces = NULL;
-            size_t n = 0;
-            status = kn_spline_to_bezier(ctx, &pieces, &n, &part->splines[s]);
-            for (size_t i = 0; status == KN_OK && i < n; i++, b.patch++) {
-                size_t count = kn_bezier_count(&pieces[i]);
-                double *w = pieces[i].coef + 2 * count;
-                for (size_t k = 0; k < count; k++) w[k] = place_w(&job->options, w[k]);
-                snap(&pieces[i]);
-                status = check_reach(ctx, &pieces[i]);
-                if (status == KN_OK) status = split(ctx, &b, &pieces[i], 0, 0);
-            }
-            for (size_t i = 0; i < n; i++) kn_bezier_clear(ctx, &pieces[i]);
-            kn_free(ctx, pieces);
-        }
-    }
+    kn_job_patches made = {0};
+    kn_status status = kn_job_cut_patches(ctx, &made, &job->tile, &job->options, NULL);
+    job->patches = made.list;
+    job->npatches = made.n;
     return status;
 }
 
@@ -210,10 +273,9 @@ int kn_job_tile_degree(const kn_job *job)
 {
     int most = 1;
     for (int p = 0; p < job->tile.nparts; p++)
-        for (int s = 0; s < job->tile.parts[p].nsplines; s++)
-            for (int d = 0; d < 2; d++) {
-                int degree = job->tile.parts[p].splines[s].degree[d];
-                most = degree > most ? degree : most;
-            }
+        for (int s = 0; s < job->tile.parts[p].nsplines; s++) {
+            const kn_spline *spline = &job->tile.parts[p].splines[s];
+            for (int d = 0; d < spline->nvars; d++) most = spline->degree[d] > most ? spline->degree[d] : most;
+        }
     return most;
 }

@@ -91,14 +91,16 @@ static double spread(const kn_bezier *d)
 static kn_status choose_cut(kn_ctx *ctx, int *var, const kn_bezier *d, kn_job_rect rect)
 {
     kn_bezier left = {0}, right = {0};
-    double size[2] = {INFINITY, INFINITY};
+    double size[KN_JOB_VARS] = {INFINITY, INFINITY, INFINITY};
     kn_status status = KN_OK;
-    for (int v = 0; status == KN_OK && v < 2; v++) {
+    for (int v = 0; status == KN_OK && v < d->nvars; v++) {
         if (rect.level[v] == KN_JOB_MAX_DEPTH) continue;
         status = kn_bezier_subdivide(ctx, &left, &right, d, v, 0.5);
         if (status == KN_OK) size[v] = spread(&left) + spread(&right);
     }
-    *var = size[1] < size[0] ? 1 : 0;
+    *var = 0;
+    for (int v = 1; v < d->nvars; v++)
+        if (size[v] < size[*var]) *var = v;
     kn_bezier_clear(ctx, &left);
     kn_bezier_clear(ctx, &right);
     return status;
@@ -130,7 +132,7 @@ static kn_status plan_rect(kn_ctx *ctx, cell_work *w, int patch, const kn_job_pl
     if (status != KN_OK) return status;
     double lo[2], hi[2];
     kn_job_box(lo, hi, &d);
-    int depth = rect.level[0] + rect.level[1], index = 0, var = 0;
+    int depth = rect.level[0] + rect.level[1] + rect.level[2], index = 0, var = 0;
     bool crosses = crosses_knot(&w->job->surfaces[place->surface], place->cell, lo, hi), fits = false;
     if (!crosses) {
         status = kn_job_pieces_get(ctx, &index, &w->pieces, place, lo, hi);
@@ -139,7 +141,7 @@ static kn_status plan_rect(kn_ctx *ctx, cell_work *w, int patch, const kn_job_pl
     if (status == KN_OK && fits)
         status = add_leaf(ctx, w, patch, rect, place->turn, false, &w->pieces.list[index].piece);
     if (status == KN_OK && !fits) {
-        if (depth >= (crosses ? CROSSING_DEPTH : 2 * KN_JOB_MAX_DEPTH))
+        if (depth >= (crosses ? CROSSING_DEPTH : d.nvars * KN_JOB_MAX_DEPTH))
             status = give_up(ctx, w, patch, crosses);
         else
             status = choose_cut(ctx, &var, &d, rect);
@@ -159,7 +161,7 @@ static kn_status plan_patch(kn_ctx *ctx, cell_work *w, int patch)
     static const double zero[2] = {0.0, 0.0}, one[2] = {1.0, 1.0};
     const kn_job_patch *p = &w->job->patches[patch];
     kn_job_place place = kn_job_find_place(w->job, w->surface, w->cell, p->offset);
-    kn_job_rect all = {{0, 0}, {0, 0}};
+    kn_job_rect all = {.level = {0}};
     if (p->inside) {
         int index;
         kn_status status = kn_job_pieces_get(ctx, &index, &w->pieces, &place, zero, one);
@@ -245,9 +247,9 @@ static kn_status commit(kn_ctx *ctx, void *user, size_t index, void *made)
     return status;
 }
 
-void kn_job_segments(const kn_job *job, const kn_job_key *key, int segments[2])
+void kn_job_segments(const kn_job *job, const kn_job_key *key, int segments[KN_JOB_VARS])
 {
-    for (int d = 0; d < 2; d++) segments[d] = larger(job->segments >> key->rect.level[d], 1);
+    for (int d = 0; d < KN_JOB_VARS; d++) segments[d] = larger(job->segments >> key->rect.level[d], 1);
 }
 
 static void count_all(kn_job *job)
@@ -256,13 +258,16 @@ static void count_all(kn_job *job)
     r->cells = job->ncells;
     for (size_t i = 0; i < job->nkeys; i++) {
         const kn_job_key *key = &job->keys[i];
-        int degree[2], segments[2];
+        int degree[KN_JOB_VARS], segments[KN_JOB_VARS], nvars = job->patches[key->patch].d.nvars;
         kn_job_degree(job, key, degree);
         kn_job_segments(job, key, segments);
         r->patches += job->uses[i];
+        if (nvars == 1) r->curves += job->uses[i];
+        if (nvars == 3) r->volumes += job->uses[i];
         r->exact_patches += key->exact ? job->uses[i] : 0;
-        r->control_points += job->uses[i] * (size_t)(degree[0] + 1) * (size_t)(degree[1] + 1);
-        r->triangles += job->uses[i] * 2 * (size_t)segments[0] * (size_t)segments[1];
+        r->control_points += job->uses[i] * (size_t)(degree[0] + 1) * (size_t)(degree[1] + 1) *
+                             (size_t)(degree[2] + 1);
+        if (nvars == 2) r->triangles += job->uses[i] * 2 * (size_t)segments[0] * (size_t)segments[1];
         for (int d = 0; d < 2; d++) r->degree[d] = larger(r->degree[d], degree[d]);
     }
 }

@@ -19,7 +19,7 @@ kn_status kn_job_restrict(kn_ctx *ctx, kn_bezier *out, const kn_job_patch *patch
 {
     kn_bezier part[2] = {{0}, {0}}, d = {0};
     kn_status status = kn_bezier_copy(ctx, &d, &patch->d);
-    for (int var = 0; var < 2; var++)
+    for (int var = 0; status == KN_OK && var < patch->d.nvars; var++)
         for (int l = rect.level[var] - 1; status == KN_OK && l >= 0; l--) {
             status = kn_bezier_subdivide(ctx, &part[0], &part[1], &d, var, 0.5);
             if (status == KN_OK) kn_bezier_swap(&d, &part[(rect.index[var] >> l) & 1]);

@@ -43,7 +43,7 @@ static kn_status make_matrix(kn_ctx *ctx, void *user, size_t index)
     kn_compose_matrix m[KN_SHELL_TERMS] = {{.m = NULL}};
     matrix made = {0};
     double lo[2], hi[2], *all = NULL;
-    int rows[2];
+    int rows[KN_JOB_VARS];
     kn_job_degree(r->job, key, rows);
     kn_status status = kn_job_in_box(ctx, &d, lo, hi, r->job, key);
     for (int t = 0; status == KN_OK && t < key->nterms; t++) {
@@ -80,9 +80,9 @@ static size_t cell_numbers(const kn_job *job, const kn_job_cell *cell, int ncomp
 {
     size_t sum = 0;
     for (uint32_t i = 0; i < cell->count; i++) {
-        int degree[2];
+        int degree[KN_JOB_VARS];
         kn_job_degree(job, &job->keys[job->leaves[cell->first + i]], degree);
-        sum += (size_t)ncomp * (size_t)(degree[0] + 1) * (size_t)(degree[1] + 1);
+        sum += (size_t)ncomp * (size_t)(degree[0] + 1) * (size_t)(degree[1] + 1) * (size_t)(degree[2] + 1);
     }
     return sum;
 }
@@ -221,7 +221,7 @@ static kn_status compose_leaf(kn_ctx *ctx, composer *c, uint32_t leaf, const int
                            .part = from->part,
                            .patch = from->patch,
                            .piece = same ? before->piece + 1 : 0};
-    to->bezier = (kn_bezier){.nvars = 2, .ncomp = c->ncomp, .rational = c->ncomp == 4};
+    to->bezier = (kn_bezier){.nvars = from->d.nvars, .ncomp = c->ncomp, .rational = c->ncomp == 4};
     kn_job_degree(job, key, to->bezier.degree);
     to->bezier.coef = c->product->coef + c->used;
     to->reversed = job->options.height < 0.0;

@@ -91,21 +91,21 @@ KN_API KN_CHECKED kn_status kn_compose_piece(kn_ctx *ctx, kn_bezier *out, const 
                                              const kn_bezier *tile);
 
 // The matrix of one tile patch for one pair of degrees: row q, column a*(degree_v+1)+b holds Bernstein coefficient q
-// of B_a(u(r,t)) B_b(v(r,t)) w(r,t)^power in degree (rows_degree[0], rows_degree[1]). It depends on the tile alone: M
-// times the control points of term[power] of any cell gives what that term contributes to the composed patch.
-// in:     tile of two variables and components (u, v, w), polynomial; rows_degree[d] >= tile.degree[d] (degree[0] +
-//         degree[1] + power).
+// of B_a(u(x)) B_b(v(x)) w(x)^power in degrees rows_degree. It depends on the tile alone: M times the control points
+// of term[power] of any cell gives what that term contributes to the composed patch.
+// in:     tile: a curve, surface or volume of components (u, v, w), polynomial; rows_degree[d] >= tile.degree[d]
+//         (degree[0] + degree[1] + power), tile.nvars of them.
 // out:    overwritten; ended by kn_compose_matrix_clear. In the unit cell with power 0: m >= 0, rows sum to 1. Rows
-//         on an edge depend on that edge alone, bit for bit the same in every patch that has it.
+//         on a face, an edge or a corner depend on that alone, bit for bit the same in every patch that has it.
 // fails:  KN_EDOMAIN shapes, degrees, KN_ELIMIT degree > KN_MAX_DEGREE, KN_ENOMEM; out unchanged.
 // error:  docs/numerics.md, compose. cost: cols products of polynomials.
 typedef struct kn_compose_matrix {
-    int rows_degree[2];
+    int rows_degree[3];
     size_t rows, cols;
     double *m; // row by row; owned
 } kn_compose_matrix;
 KN_API KN_CHECKED kn_status kn_compose_matrix_init(kn_ctx *ctx, kn_compose_matrix *out, const kn_bezier *tile,
-                                                   const int degree[2], int power, const int rows_degree[2]);
+                                                   const int degree[2], int power, const int *rows_degree);
 KN_API void kn_compose_matrix_clear(kn_ctx *ctx, kn_compose_matrix *matrix);
 
 #ifdef __cplusplus

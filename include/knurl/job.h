@@ -141,6 +141,7 @@ typedef struct kn_job_report {
     int nsurfaces; // of the base
     int nparts;    // surfaces of the job, which counts parts between creases, and rows of cells, one by one
     size_t cells, patches, exact_patches, control_points, triangles;
+    size_t curves, volumes, meshes; // of the patches: those that are no surfaces
     int degree[2];                // the largest in r and in t
     double height, cell_size;     // in force, length units
     kn_normal_certificate normal; // over all pieces in use
@@ -176,6 +177,7 @@ typedef struct kn_patch {
     const kn_mesh *mesh; // not NULL: a mapped part of a mesh; bezier is then empty
     bool reversed;       // outward is -(r x t): the job's height is negative
     bool exact;          // false: composed with a stand-in for n
+    uint8_t hidden;      // faces of a volume behind others: bit 2 var + end. The outside of volumes is without them
     int segments[3];     // in each variable, by which tessellations of neighbouring patches match
 } kn_patch;
 

@@ -8,16 +8,22 @@
 #include <math.h>
 #include <string.h>
 
+static void random_part(kn_ctx *ctx, kn_bezier *out, test_rng *rng, int nvars, const int *degree, double lo,
+                        double hi)
+{
+    assert_int_equal(kn_bezier_init(ctx, out, nvars, 3, false, degree), KN_OK);
+    for (size_t i = 0; i < 3 * kn_bezier_count(out); i++) out->coef[i] = test_uniform(rng, lo, hi);
+}
+
 static void random_tile(kn_ctx *ctx, kn_bezier *out, test_rng *rng, int m, int n, double lo, double hi)
 {
     const int degree[2] = {m, n};
-    assert_int_equal(kn_bezier_init(ctx, out, 2, 3, false, degree), KN_OK);
-    for (size_t i = 0; i < 3 * kn_bezier_count(out); i++) out->coef[i] = test_uniform(rng, lo, hi);
+    random_part(ctx, out, rng, 2, degree, lo, hi);
 }
 
 // M times the control points of random terms against kn_compose_piece. Both sum the same products; each coefficient
 // carries at most gamma(8 (a + b + 1) m) of the sum of absolute terms, here < 400 ulps of it; |P| <= 1 and, in the
-// unit cell, the absolute terms of a row sum to 1.
+// unit cell, the absolute terms of a row sum to 1. Curves, surfaces and volumes.
 static void equals_symbolic(void **state)
 {
     (void)state;
@@ -26,7 +32,8 @@ static void equals_symbolic(void **state)
     kn_ctx *ctx = test_ctx(&memory, 1);
     for (int run = 0; run < test_scale(12); run++) {
         kn_bezier tile = {0}, out = {0};
-        random_tile(ctx, &tile, &rng, test_int(&rng, 1, 3), test_int(&rng, 1, 3), 0, 1);
+        const int of_tile[3] = {test_int(&rng, 1, 3), test_int(&rng, 1, 3), test_int(&rng, 0, 1)};
+        random_part(ctx, &tile, &rng, run % 2 == 0 ? 2 : run % 4, of_tile, 0, 1);
         kn_shell_piece piece = {.nterms = 2, .power = {0, 1}};
         kn_compose_matrix m[2];
         for (int k = 0; k < 2; k++) {
@@ -166,6 +173,74 @@ static void edges_across_cells_are_equal(void **state)
     test_ctx_end(ctx, &memory);
 }
 
+// Coefficient (i, j) of the face var = end of a volume, in the order of the other two variables.
+static size_t on_face(const int *degree, int var, int end, int i, int j)
+{
+    int at[3], other = var == 0 ? 1 : 0;
+    at[var] = end * degree[var];
+    at[other] = i, at[3 - var - other] = j;
+    return ((size_t)at[0] * (size_t)(degree[1] + 1) + (size_t)at[1]) * (size_t)(degree[2] + 1) + (size_t)at[2];
+}
+
+// Two random volumes that share a face, on any sides and turned in any of eight ways, have the same rows there.
+static void shared_faces_are_equal(void **state)
+{
+    (void)state;
+    test_rng rng = test_random(5);
+    test_memory memory = TEST_MEMORY_INIT;
+    kn_ctx *ctx = test_ctx(&memory, 1);
+    const int cell[2] = {1, 2}, degree[3] = {2, 2, 2}, rows[3] = {8, 8, 8};
+    for (int run = 0; run < 16; run++) {
+        kn_bezier tile[2];
+        kn_compose_matrix m[2];
+        int var[2] = {test_int(&rng, 0, 2), test_int(&rng, 0, 2)}, end[2] = {run & 1, (run >> 1) & 1};
+        int turn = test_int(&rng, 0, 7);
+        for (int k = 0; k < 2; k++) random_part(ctx, &tile[k], &rng, 3, degree, -0.2, 1.2);
+        for (int size = 2; size <= 8; size += 6) { // of control points, then of rows
+            const int *of = size == 2 ? degree : rows;
+            for (int k = 0; size == 8 && k < 2; k++)
+                assert_int_equal(kn_compose_matrix_init(ctx, &m[k], &tile[k], cell, 1, rows), KN_OK);
+            for (int i = 0; i <= size; i++)
+                for (int j = 0; j <= size; j++) {
+                    int a = turn & 1 ? size - i : i, b = turn & 2 ? size - j : j;
+                    size_t p = on_face(of, var[0], end[0], i, j);
+                    size_t q = on_face(of, var[1], end[1], turn & 4 ? b : a, turn & 4 ? a : b);
+                    for (size_t c = 0; size == 2 && c < 3; c++) tile[1].coef[27 * c + q] = tile[0].coef[27 * c + p];
+                    if (size == 8)
+                        assert_memory_equal(m[0].m + p * m[0].cols, m[1].m + q * m[1].cols,
+                                            m[0].cols * sizeof(double));
+                }
+        }
+        for (int k = 0; k < 2; k++) kn_compose_matrix_clear(ctx, &m[k]), kn_bezier_clear(ctx, &tile[k]);
+    }
+    test_ctx_end(ctx, &memory);
+}
+
+// The ends of a curve have the rows of the corners where it meets them.
+static void curves_are_edges(void **state)
+{
+    (void)state;
+    test_rng rng = test_random(6);
+    test_memory memory = TEST_MEMORY_INIT;
+    kn_ctx *ctx = test_ctx(&memory, 1);
+    const int cell[2] = {2, 1}, three[2] = {3, 3}, rows[2] = {12, 12};
+    for (int side = 0; side < 4; side++) {
+        kn_bezier surface = {0}, curve = {0};
+        kn_compose_matrix m[2];
+        random_part(ctx, &surface, &rng, 2, three, -0.2, 1.2);
+        random_part(ctx, &curve, &rng, 1, three, 0, 1);
+        for (int c = 0; c < 3; c++)
+            for (int i = 0; i <= 3; i++) curve.coef[4 * c + i] = *edge_coef(&surface, c, side, i);
+        assert_int_equal(kn_compose_matrix_init(ctx, &m[0], &surface, cell, 1, rows), KN_OK);
+        assert_int_equal(kn_compose_matrix_init(ctx, &m[1], &curve, cell, 1, rows), KN_OK);
+        for (int q = 0; q <= 12; q += 12) // inside, a curve keeps its own direction
+            assert_memory_equal(edge_row(&m[0], side, q), m[1].m + (size_t)q * m[1].cols, m[1].cols * sizeof(double));
+        for (int k = 0; k < 2; k++) kn_compose_matrix_clear(ctx, &m[k]);
+        kn_bezier_clear(ctx, &surface), kn_bezier_clear(ctx, &curve);
+    }
+    test_ctx_end(ctx, &memory);
+}
+
 static void failures(void **state)
 {
     (void)state;
@@ -182,7 +257,7 @@ static void failures(void **state)
     assert_int_equal(kn_compose_matrix_init(ctx, &m, &tile, degree, 1000000000, rows), KN_ELIMIT);
     other.ncomp = 4, other.rational = true;
     assert_int_equal(kn_compose_matrix_init(ctx, &m, &other, degree, 1, rows), KN_EDOMAIN);
-    other = tile, other.nvars = 1;
+    other = tile, other.nvars = 4;
     assert_int_equal(kn_compose_matrix_init(ctx, &m, &other, degree, 1, rows), KN_EDOMAIN);
     assert_true(m.rows == 7 && !m.m);
     kn_compose_matrix_clear(ctx, NULL);
@@ -214,6 +289,8 @@ int main(void)
                                        cmocka_unit_test(convex_in_the_unit_cell),
                                        cmocka_unit_test(shared_edges_are_equal),
                                        cmocka_unit_test(edges_across_cells_are_equal),
+                                       cmocka_unit_test(shared_faces_are_equal),
+                                       cmocka_unit_test(curves_are_edges),
                                        cmocka_unit_test(failures),
                                        cmocka_unit_test(allocation_failures)};
     return cmocka_run_group_tests_name("compose/matrix", tests, NULL, NULL);
