@@ -120,6 +120,31 @@ KN_API KN_CHECKED kn_status kn_solve_zeros_bezier(kn_ctx *ctx, kn_root **roots, 
 KN_API KN_CHECKED kn_status kn_solve_roots(kn_ctx *ctx, kn_root **roots, size_t *nroots, kn_solve_report *report,
                                            const kn_spline *f, const kn_solve_options *options);
 
+// ---- curves: zeros of one function of two variables ----
+// A line of zeros as a polyline: f >= 0 to the left of its run, f < 0 to its right.
+typedef struct kn_solve_curve {
+    double *points; // two parameters each
+    size_t npoints; // at least 2; a closed one ends with its first point
+    bool closed;
+} kn_solve_curve;
+// The border between {f < 0} and {f >= 0} in [0,1]^2, f of two variables and dimension 1, polynomial.
+// in:     0 < tol <= 0.5, parameter units.
+// out:    *curves: *n of them, one block to kn_free (the points lie in it). Every point of a curve is within tol of a
+//         zero of f, and every zero at which f changes its sign within tol of a curve, but for closed lines that lie
+//         in a single box smaller than tol where f_r and f_t both vanish. Curves that are not closed begin and end on
+//         edges of the square, at places that depend on f's coefficients along that edge alone (to neighbouring
+//         doubles; the coordinate across is 0 or 1 exactly); zero counts as positive, also along a whole edge: so
+//         neighbouring patches agree. They neither meet nor cross: at a double point lines are joined so that
+//         {f < 0} comes apart. report (NULL: not wanted): possible counts boxes smaller than tol, and places on
+//         lines, where that had to be decided by rounded numbers; limited: max_boxes (1e6) was passed, and curves
+//         are coarser than tol there.
+// fails:  KN_EDOMAIN (shape, tol, coefficients that are not finite), KN_ENOMEM, KN_ECANCELLED; outputs unchanged.
+// error:  tol is kept for the function in exact arithmetic, but for a shift by the rounding of f, 8 (n + m) u max |c|
+//         for each halving, over |f_r| or |f_t|.
+// cost:   about (n + 1)(m + 1)(n + m) flops for each box, and sqrt(curvature / tol) boxes for each curve.
+KN_API KN_CHECKED kn_status kn_solve_curves_bezier(kn_ctx *ctx, kn_solve_curve **curves, size_t *n,
+                                                   kn_solve_report *report, const kn_bezier *f, double tol);
+
 // ---- intersections: everything as for kn_solve_zeros, unless said ----
 // Where the line { point + t direction } meets a surface of dimension 3, polynomial or rational.
 // in:     point, direction: 3 numbers each, direction not 0 (else KN_EDOMAIN).

@@ -117,11 +117,32 @@ static void closest_points(feed *f)
     kn_spline_clear(f->ctx, &s);
 }
 
+// Curves of a small function, whose points lie in the square.
+static void curves(feed *f)
+{
+    kn_bezier a = {0};
+    kn_solve_curve *list = NULL;
+    size_t n = 0;
+    feed_bezier(f, &a, 2);
+    double tol = feed_byte(f) % 8 == 0 ? feed_number(f) : 0.02;
+    if (tol < 1e-3) tol = 1e-3;
+    kn_ctx_clear_error(f->ctx);
+    kn_status status = kn_solve_curves_bezier(f->ctx, &list, &n, NULL, &a, tol);
+    if ((status == KN_OK) != (kn_ctx_error(f->ctx) == KN_OK)) abort();
+    for (size_t c = 0; status == KN_OK && c < n; c++)
+        for (size_t i = 0; i < 2 * list[c].npoints; i++)
+            if (!(list[c].points[i] >= 0.0 && list[c].points[i] <= 1.0)) abort();
+    kn_free(f->ctx, list);
+    kn_bezier_clear(f->ctx, &a);
+}
+
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
     feed f = feed_begin(data, size);
-    int call = feed_byte(&f) % 12;
-    if (call >= 10)
+    int call = feed_byte(&f) % 14;
+    if (call >= 12)
+        curves(&f);
+    else if (call >= 10)
         closest_points(&f);
     else if (call < 3)
         (void)predicates(&f, call);

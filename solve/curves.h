@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: Apache-2.0
+// Inside solve and above: where a polynomial of one variable changes its sign.
+#ifndef SOLVE_CURVES_H
+#define SOLVE_CURVES_H
+
+#include "kernel/context.h"
+
+// A growing list of numbers of the caller's: kn_free(ctx, list->at).
+typedef struct kn_sign_change {
+    double at; // in [0,1]
+    bool rise; // f is below 0 before it and not below after it; else the other way
+} kn_sign_change;
+typedef struct kn_sign_changes {
+    kn_sign_change *list;
+    size_t count, room;
+} kn_sign_changes;
+
+// Appends, in increasing order, the places of [0,1] where f, of Bernstein coefficients c[0 .. degree], goes from
+// f < 0 to f >= 0 or back, to neighbouring doubles: zero counts as positive, so that any two functions that agree have
+// the same list, also where f vanishes at an end or throughout. Neighbouring crossings alternate. Reversing c gives the
+// same places, 1 - at up to its rounding. *doubtful (not cleared) counts the places where two crossings, or none, are
+// nearer to each other than the rounding of the coefficients tells.
+kn_status kn_solve_sign_changes(kn_ctx *ctx, kn_sign_changes *out, size_t *doubtful, const double *c, int degree);
+
+#endif
