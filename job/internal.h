@@ -87,6 +87,12 @@ typedef struct kn_job_cell {
     uint32_t count;
 } kn_job_cell;
 
+// The centre of a scattered tile, in the coordinates of the cell in which it lies.
+typedef struct kn_job_dart {
+    size_t cell; // in the job's order
+    double at[2];
+} kn_job_dart;
+
 struct kn_job {
     kn_job_options options; // defaults resolved
     kn_tile tile;           // rotated
@@ -104,6 +110,8 @@ struct kn_job {
     size_t nleaves;
     kn_job_cell *cells;
     size_t ncells;
+    kn_job_dart *darts; // by cell; NULL: one tile in each
+    size_t ndarts;
 };
 
 // ---- measure.c ----

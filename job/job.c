@@ -26,6 +26,7 @@ void kn_job_destroy(kn_ctx *ctx, kn_job *job)
     kn_free(ctx, job->uses);
     kn_free(ctx, job->leaves);
     kn_free(ctx, job->cells);
+    kn_free(ctx, job->darts);
     kn_free(ctx, job);
 }
 
