@@ -51,7 +51,8 @@ KN_API KN_CHECKED kn_status kn_field_grid(kn_ctx *ctx, kn_field *out, const kn_f
 // Gradient noise at a point in space: 0 on the integer lattice, C2, and another function for each seed.
 // out:    in [-1,1]; about +-0.85 is reached. 0 where a coordinate is not finite or 2^51 and more, where doubles have
 //         no fraction left.
-// error:  1e-12: eight products of three weights, each off by 31 gamma(7), and a sum of two. The same bits everywhere.
+// error:  1e-12: eight products of three weights, off by 31 gamma(7) each, with a sum of two. The same bits
+//         everywhere.
 // source: Perlin, Improving noise, SIGGRAPH 2002, with gradients chosen by a hash of the lattice point and the seed
 //         (Steele, Lea & Flood, Fast splittable pseudorandom number generators, OOPSLA 2014: SplitMix64) in place of
 //         a table.
