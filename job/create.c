@@ -74,6 +74,7 @@ kn_status kn_job_create(kn_ctx *ctx, kn_job **out, const kn_spline *surfaces, in
     kn_job *job = kn_alloc_zero(ctx, 1, sizeof *job);
     if (!job) return KN_ENOMEM;
     job->options = o;
+    job->has_fields = o.thickness || o.direction || o.attraction || o.stretch;
     job->report.normal_tol = o.normal_tol;
     job->report.max_degree = o.max_degree;
     status = plan(ctx, job, surfaces, nsurfaces, tile);

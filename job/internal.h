@@ -98,6 +98,7 @@ struct kn_job {
     kn_tile tile;           // rotated
     kn_job_report report;
     double diagonal, w_length; // of the base; of w = 1, about
+    bool has_fields;           // of T: thickness, direction, attraction, or the stretch
     int segments;
     kn_job_patch *patches;
     int npatches;
