@@ -24,7 +24,7 @@ typedef struct kn_tile_part {
     char name[KN_NAME_BYTES];
     kn_material material;
     kn_spline *splines; // of one, two or three variables
-    kn_trim *trims;     // of each spline, empty unless it is a trimmed surface; NULL: none is
+    kn_trim *trims;     // of each spline, over [0,1]^2, empty unless it is a trimmed surface; NULL: none is
     int nsplines;
     kn_mesh mesh; // empty: none
     // Where parameter k of the tile, at its target, puts spline i: targets[k * nsplines + i], of the same degrees and
@@ -59,16 +59,131 @@ typedef struct kn_tile {
 // fails: KN_EDOMAIN nparts, KN_ELIMIT a name of KN_NAME_BYTES or more, KN_ENOMEM; out unchanged.
 KN_API KN_CHECKED kn_status kn_tile_init(kn_ctx *ctx, kn_tile *out, const char *name, int nparts);
 KN_API void kn_tile_clear(kn_ctx *ctx, kn_tile *tile);
-// Appends a copy of the surface to a part. fails: KN_EDOMAIN no such part, KN_ENOMEM; the tile is then unchanged.
-KN_API KN_CHECKED kn_status kn_tile_add(kn_ctx *ctx, kn_tile *tile, int part, const kn_spline *surface);
-// KN_OK, or KN_EDOMAIN: the message names the part and the surface that is no polynomial (u,v,w) surface, not finite
-// or of zero area (all coefficients of its r x t within their rounding of zero); or an aspect that is negative or not
-// finite, or no surface at all. Also what kn_spline_check finds, and KN_ENOMEM.
+// out = the tile with all that belongs to it; overwritten. fails: KN_ENOMEM; out unchanged.
+KN_API KN_CHECKED kn_status kn_tile_copy(kn_ctx *ctx, kn_tile *out, const kn_tile *tile);
+
+// Appends a copy of a curve, surface or volume to a part; of a surface what lies in the trim, whose [0,1]^2 stands for
+// the surface's domain. fails: KN_EDOMAIN no such part, a trim for what is no surface; KN_ENOMEM; the tile is then
+// unchanged.
+KN_API KN_CHECKED kn_status kn_tile_add(kn_ctx *ctx, kn_tile *tile, int part, const kn_spline *spline);
+KN_API KN_CHECKED kn_status kn_tile_add_trimmed(kn_ctx *ctx, kn_tile *tile, int part, const kn_spline *surface,
+                                                const kn_trim *trim);
+// The part's mesh is a copy of this one, (u, v, w) its positions, normals in the same space or none; its targets, if
+// it had any, are gone. fails: KN_EDOMAIN no such part, KN_ENOMEM; the tile is then unchanged.
+KN_API KN_CHECKED kn_status kn_tile_set_mesh(kn_ctx *ctx, kn_tile *tile, int part, const kn_mesh *mesh);
+
+// Appends a parameter, which changes nothing yet. fails: KN_ELIMIT a name of KN_NAME_BYTES or more, KN_ENOMEM; the
+// tile is then unchanged. What kn_tile_check says of parameters is not checked here.
+KN_API KN_CHECKED kn_status kn_tile_add_parameter(kn_ctx *ctx, kn_tile *tile, const char *name, double value,
+                                                  double target, double lo, double hi);
+// Where a parameter, at its target, puts a spline of a part: a copy of `target`, which takes the place of one that is
+// there. fails: KN_EDOMAIN no such parameter, part or spline, other degrees or knots; KN_ENOMEM; no change.
+KN_API KN_CHECKED kn_status kn_tile_set_target(kn_ctx *ctx, kn_tile *tile, int parameter, int part, int spline,
+                                               const kn_spline *target);
+// The same for the vertices of the part's mesh, 3 numbers each. fails: KN_EDOMAIN no such parameter or part, no mesh
+// in it; KN_ENOMEM; no change.
+KN_API KN_CHECKED kn_status kn_tile_set_mesh_target(kn_ctx *ctx, kn_tile *tile, int parameter, int part,
+                                                    const double *position);
+// out = the tile with its parameters at these values (tile->nparameters of them, taken into their ranges), without
+// parameters; normals of meshes are left out. Coordinates that a target leaves as they are stay bit for bit.
+// out:   overwritten, not cleared; may not be tile.
+// fails: KN_EDOMAIN a value that is not finite, and what kn_tile_check finds wrong with parameters; KN_ENOMEM; out
+//        unchanged.
+// error: gamma(4) |x| (|target| + |base|) for each parameter and coordinate, x as in kn_tile_parameter.
+KN_API KN_CHECKED kn_status kn_tile_vary(kn_ctx *ctx, kn_tile *out, const kn_tile *tile, const double *values);
+
+// KN_OK, or KN_EDOMAIN: the message names the part and the spline that is no polynomial (u,v,w) curve, surface or
+// volume, not finite, without length, area or volume (all coefficients of P_r, P_r x P_s, det(P_r, P_s, P_t) within
+// their rounding of zero), or a volume of which a Bezier piece is certainly left-handed; the trim that
+// kn_trim_check refuses; the vertex or triangle of a mesh that is not finite, refers to no vertex or to one twice; the
+// parameter without a name of its own, or with numbers that make no sense (value and target different, value in
+// [lo, hi]), and the target that is not finite or does not belong to its spline; or an aspect that is negative or not
+// finite, or nothing at all. Also what kn_spline_check finds, and KN_ENOMEM.
 KN_API KN_CHECKED kn_status kn_tile_check(kn_ctx *ctx, const kn_tile *tile);
-// Quarter turns of the (u,v) cell about its centre, counterclockwise, any number: (u,v) -> (1-v, u), one rounding
-// each. fails: KN_EDOMAIN a surface that is no polynomial (u,v,w) surface; the tile is then unchanged. Allocates
-// nothing.
+// What lies on a face of a volume: `by`, the volume of the tile in the cell at `cell` from its own.
+typedef struct kn_tile_cover {
+    bool covered;
+    size_t by;
+    int cell[2];
+} kn_tile_cover;
+// cover[6 i + 2 var + end] of the face where variable var of list[i] ends: the face of another volume, of the tile in
+// the same cell or in another one, that has the same control points, to 1e-12 of the largest coordinate and of 1, in
+// any of the eight ways to run through them. Faces that are left lie outside, if the volumes meet in whole
+// faces. What is no volume of polynomial (u,v,w) is left out.
+// in:    Bezier patches of a tile, w in any unit. out: 6 n entries. fails: KN_ENOMEM, KN_ECANCELLED; cover undefined.
+// cost:  six faces sorted by their mean w, and a comparison of all pairs of equal mean.
+KN_API KN_CHECKED kn_status kn_tile_cover_faces(kn_ctx *ctx, kn_tile_cover *cover, const kn_bezier *list, size_t n);
+
+// Quarter turns of the (u,v) cell about its centre, counterclockwise, any number, of all that the tile has, its
+// targets too: (u,v) -> (1-v, u), one rounding each. fails: KN_EDOMAIN a spline without polynomial values (u,v,w); the
+// tile is then unchanged. Allocates nothing.
 KN_API KN_CHECKED kn_status kn_tile_rotate(kn_ctx *ctx, kn_tile *tile, int quarter_turns);
+
+// ---- what can be proved of the tiling: the tile in every cell ----
+// The cells are the unit squares of (u,v); a copy of the tile lies in each, moved by whole numbers in u and v.
+
+enum { KN_TILE_LISTED = 16 };
+
+// An edge of a tile. spline: of the part, -1: its mesh. piece: a Bezier piece of the spline in the order of
+// kn_spline_to_bezier, or a triangle. Surfaces: edge 2 var + end lies where variable var ends (end 1) or begins (0).
+// Volumes: face counts likewise, and edge is one of the face's, whose variables are the other two in their order; -1:
+// all of it; face -1 for all else. Curves: edge is the end. Triangles: edge k runs from corner k to the next one.
+typedef struct kn_tile_edge {
+    int part, spline, piece, face, edge;
+} kn_tile_edge;
+
+// A place where an edge and its mate, moved by `offset` cells, do not join as they should.
+typedef struct kn_tile_gap {
+    kn_tile_edge edge, mate; // mate.part -1: nothing is near
+    int offset[2];
+    double at;       // parameter of the edge, in [0,1]
+    double point[3]; // where that is
+    // What is amiss there, estimated. Order -1: the distance to the mate's point of the same parameter. 0: the angle of
+    // the normals, or of tangents of curves. 1: the difference of curvatures across.
+    double amount;
+} kn_tile_gap;
+
+typedef struct kn_tile_periodicity_options {
+    double tolerance; // two points within it are one; default 1e-12, <= 1e-6
+    double angle;     // what vanishes for a smooth joint is <= angle times its factors' sizes; default 1e-9
+    int max_order;    // the highest order that is looked at, 1 or 2; default 2
+} kn_tile_periodicity_options;
+KN_API kn_tile_periodicity_options kn_tile_periodicity_defaults(void);
+
+// [0]: across lines u = integer, [1]: across lines v = integer, [2]: joints inside the tile.
+typedef struct kn_tile_periodicity_report {
+    // -1: an edge in such a line has no mate; 0: C0; 1: tangent planes agree; 2: curvatures too. Where nothing joins,
+    // nothing is torn: the highest order that is looked at. [2]: of the joints that there are.
+    int order[3];
+    bool decided[3];       // false: the next order may hold, and could be neither proved nor refuted
+    size_t joints[3];      // pairs of edges that are one; across a corner they count for both directions
+    kn_tile_gap first[3];  // where order[] is below the highest and decided: the first place where the next one fails
+    size_t open;           // edges without a mate: none where all parts are closed
+    kn_tile_edge open_edges[KN_TILE_LISTED]; // the first of them
+    size_t crowded;        // edges with several mates; the one that goes on most smoothly counts
+    size_t reversed;       // joints of surfaces that face opposite ways
+    size_t unchecked;      // trimmed surfaces, whose edges are left out
+} kn_tile_periodicity_report;
+
+// Whether the tiling is continuous (definition 5 of the source), and to which order G^k, across each family of lines
+// between cells and inside. Two edges are one when their control points, raised to one degree and moved by whole cells,
+// agree within the tolerance, run alike or the other way. Edges are those of surfaces' Bezier pieces, of faces of
+// volumes that no other face meets, of triangles, and the ends of curves; edges that are a point need no mate. An edge
+// without a mate breaks continuity when it, or a curve's end, lies in a line between cells: the tile was cut there.
+// Others are open edges of a tile that stands alone, or reaches over its neighbours.
+// A joint is G1 when det(T, A, B) = 0 for all of the edge, T its tangent, A and B the derivatives across it, and A and
+// B lie on one side of T; G2 when, moreover, the normal curvature along B is the same on both sides.
+// in:     tile: as kn_tile_check wants it, at its parameters' values (targets are not looked at); tolerances > 0
+//         or 0 for the default.
+// out:    overwritten.
+// fails:  KN_EDOMAIN the tile, the options; KN_ELIMIT more than 2^29 edges; KN_ENOMEM, KN_ECANCELLED.
+// error:  orders are certified: what is within the tolerance by its coefficients is so, rounding included, for every
+//         parameter. Numbers of a kn_tile_gap are estimates.
+// cost:   a hash of all edges, and for each joint products of degrees 3 n and 7 n, n those of the pieces.
+// source: Elber, Geometric texture modeling, IEEE CG&A 25 (2005), definition 5; for G2: Pegna & Wolter, Geometrical
+//         criteria to guarantee curvature continuity of blend surfaces, J. Mech. Design 114 (1992).
+KN_API KN_CHECKED kn_status kn_tile_periodicity(kn_ctx *ctx, kn_tile_periodicity_report *report, const kn_tile *tile,
+                                                const kn_tile_periodicity_options *options);
 
 #ifdef __cplusplus
 }
