@@ -47,7 +47,8 @@ typedef struct box {
 typedef struct tracer {
     int degree[2];
     size_t count;
-    double tol, rounding; // of the coefficients, for each halving
+    double tol, longest;
+    double rounding; // of the coefficients, for each halving
     point *points;
     size_t npoints, room;
     kn_solve_report report;
@@ -76,23 +77,32 @@ static void join(tracer *t, size_t from, size_t to)
 
 // ---- places on a line ----
 
-// f along the side, n + 1 coefficients `step` apart; x[var] runs from lo to hi.
+// Changes of sign along a line on which x[var] runs from from[var] to hi, as places.
+static kn_status take_places(kn_ctx *ctx, tracer *t, side *out, const kn_sign_changes *found, const double from[2],
+                             int var, double hi)
+{
+    kn_status status = KN_OK;
+    if (found->count > 0) {
+        out->list = kn_scratch(ctx, found->count, sizeof *out->list);
+        if (!out->list) status = KN_ENOMEM;
+    }
+    for (size_t i = 0; status == KN_OK && i < found->count; i++) {
+        double x[2] = {from[0], from[1]}, s = found->list[i].at;
+        x[var] = s <= 0.5 ? from[var] + s * (hi - from[var]) : hi - (1.0 - s) * (hi - from[var]);
+        place *p = &out->list[out->n++];
+        *p = (place){0, x[var], found->list[i].rise};
+        status = add_point(ctx, t, &p->point, x[0], x[1]);
+    }
+    return status;
+}
+
+// The same, of f's coefficients along it.
 static kn_status find_places(kn_ctx *ctx, tracer *t, side *out, const double *c, int degree, const double from[2],
                              int var, double hi)
 {
     kn_sign_changes found = {0};
     kn_status status = kn_solve_sign_changes(ctx, &found, &t->report.possible, c, degree);
-    if (status == KN_OK && found.count > 0) {
-        out->list = kn_scratch(ctx, found.count, sizeof *out->list);
-        if (!out->list) status = KN_ENOMEM;
-    }
-    for (size_t i = 0; status == KN_OK && i < found.count; i++) {
-        double x[2] = {from[0], from[1]}, s = found.list[i].at;
-        x[var] = s <= 0.5 ? from[var] + s * (hi - from[var]) : hi - (1.0 - s) * (hi - from[var]);
-        place *p = &out->list[out->n++];
-        *p = (place){0, x[var], found.list[i].rise};
-        status = add_point(ctx, t, &p->point, x[0], x[1]);
-    }
+    if (status == KN_OK) status = take_places(ctx, t, out, &found, from, var, hi);
     kn_free(ctx, found.list);
     return status;
 }
@@ -239,15 +249,16 @@ static kn_status finish(kn_ctx *ctx, tracer *t, const box *b, bool *done, int *s
     *split = width[0] >= width[1] ? 0 : 1;
     *done = n == 0 && keeps_sign(t, b);
     if (*done) return KN_OK;
+    bool short_enough = fmax(width[0], width[1]) <= t->longest;
     for (int v = 0; v < 2; v++) sign[v] = derivative_sign(range[v], t, b, v);
     double best = INFINITY;
     for (int v = 0; v < 2; v++) {
         if (sign[v] == 0) continue;
         double off = deviation(range[1 - v], range[v]) * width[v];
         bool longish = width[1 - v] * 32.0 > width[v]; // graphs over a variable get finer with it
-        if (off < best && longish) *split = 1 - v;
+        if (off < best && longish && off > t->tol) *split = 1 - v;
         best = fmin(best, off);
-        *done = n == 0 || (off <= t->tol && join_graphs(t, b, 1 - v, sign[v] > 0));
+        *done = n == 0 || (off <= t->tol && short_enough && join_graphs(t, b, 1 - v, sign[v] > 0));
         if (*done) return KN_OK;
     }
     bool small = fmax(width[0], width[1]) <= t->tol / 2.0 || t->report.boxes > max_boxes;
@@ -399,9 +410,15 @@ static kn_status check(kn_ctx *ctx, const kn_bezier *f, double tol)
 kn_status kn_solve_curves_bezier(kn_ctx *ctx, kn_solve_curve **curves, size_t *n, kn_solve_report *report,
                                  const kn_bezier *f, double tol)
 {
+    return kn_solve_trace(ctx, curves, n, report, f, tol, INFINITY, NULL);
+}
+
+kn_status kn_solve_trace(kn_ctx *ctx, kn_solve_curve **curves, size_t *n, kn_solve_report *report, const kn_bezier *f,
+                         double tol, double longest, const kn_sign_changes *edges)
+{
     kn_status status = check(ctx, f, tol);
     if (status != KN_OK) return status;
-    tracer t = {.degree = {f->degree[0], f->degree[1]}, .count = kn_bezier_count(f), .tol = tol};
+    tracer t = {.degree = {f->degree[0], f->degree[1]}, .count = kn_bezier_count(f), .tol = tol, .longest = longest};
     box all = {.hi = {1.0, 1.0}, .c = f->coef};
     double largest = 0.0, line[KN_MAX_DEGREE + 1];
     for (size_t i = 0; i < t.count; i++) largest = fmax(largest, fabs(f->coef[i]));
@@ -409,8 +426,9 @@ kn_status kn_solve_curves_bezier(kn_ctx *ctx, kn_solve_curve **curves, size_t *n
     kn_mark mark = kn_scratch_mark(ctx);
     for (int k = 0; status == KN_OK && k < SIDES; k++) {
         const double from[2] = {k == RIGHT, k == TOP};
-        int degree = gather(line, &t, f->coef, k);
-        status = find_places(ctx, &t, &all.sides[k], line, degree, from, k == LEFT || k == RIGHT, 1.0);
+        int degree = gather(line, &t, f->coef, k), along = k == LEFT || k == RIGHT;
+        status = edges ? take_places(ctx, &t, &all.sides[k], &edges[k], from, along, 1.0)
+                       : find_places(ctx, &t, &all.sides[k], line, degree, from, along, 1.0);
     }
     if (status == KN_OK) status = trace(ctx, &t, &all);
     if (status == KN_OK) status = collect(ctx, &t, curves, n);

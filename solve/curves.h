@@ -5,6 +5,8 @@
 
 #include "kernel/context.h"
 
+#include <knurl/solve.h>
+
 // A growing list of numbers of the caller's: kn_free(ctx, list->at).
 typedef struct kn_sign_change {
     double at; // in [0,1]
@@ -21,5 +23,10 @@ typedef struct kn_sign_changes {
 // same places, 1 - at up to its rounding. *doubtful (not cleared) counts the places where two crossings, or none, are
 // nearer to each other than the rounding of the coefficients tells.
 kn_status kn_solve_sign_changes(kn_ctx *ctx, kn_sign_changes *out, size_t *doubtful, const double *c, int degree);
+
+// As kn_solve_curves_bezier, and no box in which a chord is drawn is wider than `longest`. edges: the changes of sign
+// along x = 0, x = 1 (in y), y = 0, y = 1 (in x), where the caller knows them; NULL: found from f.
+kn_status kn_solve_trace(kn_ctx *ctx, kn_solve_curve **curves, size_t *n, kn_solve_report *report, const kn_bezier *f,
+                         double tol, double longest, const kn_sign_changes *edges);
 
 #endif

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Slices of textured objects: contours at heights, for layered manufacturing.
+// Slices of textured objects: contours at heights z, for layered manufacturing.
+// Source: Elber, Geometric Texture Modeling, IEEE CG&A 25(4), 2005: only tiles near the contouring level are made.
 #ifndef KNURL_SLICE_H
 #define KNURL_SLICE_H
 
@@ -8,6 +9,46 @@
 #ifdef __cplusplus
 extern "C" {
 #endif
+
+// A contour in the plane of its layer: material to the left of its run, outlines counterclockwise and holes clockwise,
+// for surfaces that are oriented outwards.
+typedef struct kn_slice_loop {
+    const double *points; // (x, y), two numbers each
+    size_t npoints;       // at least 2; the last point of a closed one is not the first again
+    bool closed;          // false: it ends at an open edge of what was sliced
+    int part, layer;      // kn_patch_id of the patch that its first point is on
+} kn_slice_loop;
+
+typedef struct kn_slice {
+    size_t index; // 0 .. count - 1
+    double z;
+    const kn_slice_loop *loops; // in an order that does not depend on the number of threads
+    size_t nloops, nopen;       // nopen of them are not closed
+    double gap;                 // the largest distance of two ends that were joined; 0: all were equal bit for bit
+    size_t doubtful;            // places where rounding decided: planes that touch, double points
+} kn_slice;
+
+// Takes one layer; z increasing, on the thread that called. What it answers other than KN_OK ends the work.
+typedef kn_status (*kn_slice_fn)(kn_ctx *ctx, void *user, const kn_slice *layer);
+
+typedef struct kn_slice_options {
+    double first, step; // layer k lies at z = first + k step; step > 0
+    size_t count;       // of layers, at most 2^20
+    double tol;         // of contours, length units, above 0
+    double join;        // ends that are no farther apart count as one; 0: 10 tol
+} kn_slice_options;
+
+// A sink that cuts every patch it gets with all layers: contours are polylines on composed patches, within tol of the
+// true contour, certified from coefficients; points on edges depend on the edge's control points alone, so that
+// contours of neighbouring patches meet bit for bit. Where a patch only touches a plane it counts as above it.
+// Surfaces, and the free faces of volumes; meshes and trimmed patches by their triangles; curves have none.
+// fn gets all layers, empty ones among them, when the job ends.
+// out:    overwritten; kn_sink_close. bytes: none.
+// fails:  KN_EDOMAIN (options), KN_ENOMEM; out unchanged. The job: KN_EUNDEFINED a weight that is not positive,
+//         KN_ELIMIT; what fn answers.
+// memory: the contours of all layers.
+KN_API KN_CHECKED kn_status kn_slice_sink(kn_ctx *ctx, kn_sink *out, const kn_slice_options *options, kn_slice_fn fn,
+                                          void *user);
 
 #ifdef __cplusplus
 }

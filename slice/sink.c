@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: Apache-2.0
+// A sink that cuts patches with planes.
+#include "slice/internal.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+typedef struct slicer {
+    kn_slice_options options;
+    kn_slice_fn fn;
+    void *user;
+    kn_slice_lines lines;
+} slicer;
+
+static kn_status cut_patch(kn_ctx *ctx, kn_slice_lines *out, const kn_slice_options *o, const kn_patch *p)
+{
+    if (p->mesh) return kn_slice_mesh(ctx, out, o, &p->id, p->mesh);
+    if (p->bezier.nvars == 2 && !p->trim) return kn_slice_patch(ctx, out, o, &p->id, &p->bezier, p->reversed);
+    return KN_OK;
+}
+
+static kn_status work(kn_ctx *ctx, void *user, const kn_patch_block *block, void **product)
+{
+    const slicer *s = user;
+    kn_slice_lines *lines = kn_alloc_zero(ctx, 1, sizeof *lines);
+    kn_status status = lines ? KN_OK : KN_ENOMEM;
+    for (size_t i = 0; status == KN_OK && i < block->count; i++)
+        status = cut_patch(ctx, lines, &s->options, &block->patches[i]);
+    if (status == KN_OK) {
+        *product = lines;
+    } else if (lines) {
+        kn_slice_lines_clear(ctx, lines);
+        kn_free(ctx, lines);
+    }
+    return status;
+}
+
+static void discard(kn_ctx *ctx, void *user, void *product)
+{
+    (void)user;
+    kn_slice_lines_clear(ctx, product);
+    kn_free(ctx, product);
+}
+
+static kn_status commit(kn_ctx *ctx, void *user, const kn_patch_block *block, void *product)
+{
+    (void)block;
+    slicer *s = user;
+    kn_status status = kn_slice_append(ctx, &s->lines, product);
+    discard(ctx, user, product);
+    return status;
+}
+
+// By plane, and as they came within one.
+static int by_plane(const void *a, const void *b)
+{
+    const kn_slice_line *x = a, *y = b;
+    if (x->plane != y->plane) return x->plane < y->plane ? -1 : 1;
+    return (x->first > y->first) - (x->first < y->first);
+}
+
+static kn_status end(kn_ctx *ctx, void *user)
+{
+    slicer *s = user;
+    kn_slice_lines *l = &s->lines;
+    kn_status status = KN_OK;
+    if (l->nlines > 0) qsort(l->list, l->nlines, sizeof *l->list, by_plane);
+    for (size_t plane = 0, at = 0; status == KN_OK && plane < s->options.count; plane++) {
+        size_t n = 0;
+        while (at + n < l->nlines && l->list[at + n].plane == plane) n++;
+        status = kn_slice_chain(ctx, l, n > 0 ? l->list + at : NULL, n, &s->options, plane, s->fn, s->user);
+        at += n;
+    }
+    return status;
+}
+
+static void close_sink(kn_ctx *ctx, void *user)
+{
+    slicer *s = user;
+    kn_slice_lines_clear(ctx, &s->lines);
+    kn_free(ctx, s);
+}
+
+kn_status kn_slice_sink(kn_ctx *ctx, kn_sink *out, const kn_slice_options *o, kn_slice_fn fn, void *user)
+{
+    if (!isfinite(o->first) || !(o->step > 0.0) || !isfinite(o->first + (double)o->count * o->step))
+        return kn_fail(ctx, KN_EDOMAIN, "slice: layers from %g by %g", o->first, o->step);
+    if (o->count < 1 || o->count > (size_t)1 << 20) return kn_fail(ctx, KN_EDOMAIN, "slice: %zu layers", o->count);
+    if (!(o->tol > 0.0) || !isfinite(o->tol) || !(o->join >= 0.0) || !isfinite(o->join))
+        return kn_fail(ctx, KN_EDOMAIN, "slice: tolerance %g, joining %g", o->tol, o->join);
+    slicer *s = kn_alloc_zero(ctx, 1, sizeof *s);
+    if (!s) return KN_ENOMEM;
+    *s = (slicer){.options = *o, .fn = fn, .user = user};
+    *out = (kn_sink){.user = s, .work = work, .commit = commit, .discard = discard, .end = end, .close = close_sink};
+    return KN_OK;
+}
