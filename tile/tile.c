@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The life of a tile.
-#include "kernel/context.h"
+#include "tile/internal.h"
 
-#include <knurl/tile.h>
 #include <string.h>
 
 kn_status kn_tile_init(kn_ctx *ctx, kn_tile *out, const char *name, int nparts)
@@ -18,33 +17,26 @@ kn_status kn_tile_init(kn_ctx *ctx, kn_tile *out, const char *name, int nparts)
     return KN_OK;
 }
 
+static void clear_part(kn_ctx *ctx, kn_tile_part *part, int nparameters)
+{
+    for (int s = 0; s < part->nsplines; s++) {
+        kn_spline_clear(ctx, &part->splines[s]);
+        if (part->trims) kn_trim_clear(ctx, &part->trims[s]);
+    }
+    for (int i = 0; part->targets && i < nparameters * part->nsplines; i++) kn_spline_clear(ctx, &part->targets[i]);
+    for (int k = 0; part->mesh_targets && k < nparameters; k++) kn_free(ctx, part->mesh_targets[k]);
+    kn_free(ctx, part->splines);
+    kn_free(ctx, part->trims);
+    kn_free(ctx, part->targets);
+    kn_free(ctx, part->mesh_targets);
+    kn_mesh_clear(ctx, &part->mesh);
+}
+
 void kn_tile_clear(kn_ctx *ctx, kn_tile *tile)
 {
     if (!tile) return;
-    for (int p = 0; p < tile->nparts; p++) {
-        kn_tile_part *part = &tile->parts[p];
-        for (int s = 0; s < part->nsplines; s++) kn_spline_clear(ctx, &part->splines[s]);
-        kn_free(ctx, part->splines);
-    }
+    for (int p = 0; p < tile->nparts; p++) clear_part(ctx, &tile->parts[p], tile->nparameters);
     kn_free(ctx, tile->parts);
+    kn_free(ctx, tile->parameters);
     *tile = (kn_tile){0};
-}
-
-kn_status kn_tile_add(kn_ctx *ctx, kn_tile *tile, int part, const kn_spline *surface)
-{
-    if (part < 0 || part >= tile->nparts) return kn_fail(ctx, KN_EDOMAIN, "tile: part %d of %d", part, tile->nparts);
-    kn_tile_part *to = &tile->parts[part];
-    size_t n = (size_t)to->nsplines;
-    kn_spline copy = {0}, *list = kn_alloc(ctx, n + 1, sizeof *list);
-    kn_status status = list ? kn_spline_copy(ctx, &copy, surface) : KN_ENOMEM;
-    if (status != KN_OK) {
-        kn_free(ctx, list);
-        return status;
-    }
-    for (size_t i = 0; i < n; i++) list[i] = to->splines[i];
-    list[n] = copy;
-    kn_free(ctx, to->splines);
-    to->splines = list;
-    to->nsplines++;
-    return KN_OK;
 }

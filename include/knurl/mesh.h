@@ -9,7 +9,7 @@
 extern "C" {
 #endif
 
-// position and normal: 3 numbers a vertex (normal unit length); triangle: 3 vertex indices each, counterclockwise
+// position and normal: 3 numbers a vertex (normal unit length, or NULL: not known); triangle: 3 vertex indices each, counterclockwise
 // seen from outside. A zero-initialised kn_mesh is a valid empty one; kn_mesh_clear frees it.
 typedef struct kn_mesh {
     size_t nvertices, ntriangles;
@@ -19,6 +19,9 @@ typedef struct kn_mesh {
 } kn_mesh;
 // Frees the arrays; the mesh is empty afterwards. NULL and an empty mesh are fine.
 KN_API void kn_mesh_clear(kn_ctx *ctx, kn_mesh *mesh);
+
+// out = a. out: initialised, overwritten, may be a. fails: KN_ENOMEM; out unchanged.
+KN_API KN_CHECKED kn_status kn_mesh_copy(kn_ctx *ctx, kn_mesh *out, const kn_mesh *a);
 
 // Appends a patch over [0,1]^2 on the uniform grid of segments[0] x segments[1]: vertices with r slowest, unit
 // normals along r x t, and two triangles for each rectangle, less those of which two corners coincide.
