@@ -53,7 +53,7 @@ ALL_LDFLAGS = $(OPT) -pthread $(LDFLAGS)
 LIBS := -lm
 
 # ---- optional libraries, all in one place: a header that tells whether it is there, flags, what to link ----
-EXTERNALS := tinygltf embree png cairo occt jansson sisl cmocka flint
+EXTERNALS := tinygltf embree png cairo occt jansson muparser sisl cmocka flint
 HEADER_tinygltf := tiny_gltf.h
 LIBS_tinygltf := -ltinygltf
 HEADER_embree := embree3/rtcore.h
@@ -68,6 +68,8 @@ LIBS_occt := -lTKXDESTEP -lTKXCAF -lTKLCAF -lTKCAF -lTKVCAF -lTKCDF -lTKSTEP -lT
   -lTKShHealing -lTKBO -lTKTopAlgo -lTKGeomAlgo -lTKBRep -lTKGeomBase -lTKG3d -lTKG2d -lTKMath -lTKernel
 HEADER_jansson := jansson.h
 LIBS_jansson := -ljansson
+HEADER_muparser := muParser.h
+LIBS_muparser := -lmuparser
 HEADER_sisl := sisl.h
 LIBS_sisl := -lsisl
 HEADER_cmocka := cmocka.h

@@ -6,11 +6,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { COLOR = CLI_JOB_OPTIONS, PIXELS, WORK, OUTPUT, HELP, END };
+enum { COLOR = CLI_JOB_OPTIONS, PIXELS, WORK, LAYER, OUTPUT, HELP, END };
 static const cli_option options[END - CLI_JOB_OPTIONS] = {
-    [COLOR - CLI_JOB_OPTIONS] = {"color", 0, true},  [PIXELS - CLI_JOB_OPTIONS] = {"pixels", 0, true},
-    [WORK - CLI_JOB_OPTIONS] = {"work", 0, true},    [OUTPUT - CLI_JOB_OPTIONS] = {"output", 'o', true},
-    [HELP - CLI_JOB_OPTIONS] = {"help", 'h', false},
+    [COLOR - CLI_JOB_OPTIONS] = {"color", 0, CLI_TEXT}, [PIXELS - CLI_JOB_OPTIONS] = {"pixels", 0, CLI_TEXT},
+    [WORK - CLI_JOB_OPTIONS] = {"work", 0, CLI_TEXT},   [OUTPUT - CLI_JOB_OPTIONS] = {"output", 'o', CLI_TEXT},
+    [LAYER - CLI_JOB_OPTIONS] = {"layer", 0, CLI_TEXT}, [HELP - CLI_JOB_OPTIONS] = {"help", 'h', CLI_NOTHING},
 };
 
 static bool set_color(check *c, const char *text)
@@ -35,7 +35,7 @@ static bool add_output(check *c, const char *path)
 static bool set_option(check *c, int option, const char *value)
 {
     int work;
-    if (option < CLI_JOB_OPTIONS) return cli_job_set(&c->job, option, value);
+    if (option < CLI_JOB_OPTIONS) return cli_recipe_set(&c->recipe, option, value);
     switch (option) {
     case COLOR: return set_color(c, value);
     case PIXELS: return cli_int_pair("--pixels", value, 160, 8192, c->pixels);
@@ -43,22 +43,10 @@ static bool set_option(check *c, int option, const char *value)
         if (!cli_int("--work", value, 1, 2000000000, &work)) return false;
         c->work = (size_t)work;
         return true;
+    case LAYER: return cli_int("--layer", value, 1, CLI_MAX_LAYERS, &c->layer);
     case OUTPUT: return add_output(c, value);
     default: return false;
     }
-}
-
-// A spline file, or a recipe: then what it says is checked, and its outputs do not matter.
-static int set_base(check *c, const char *path)
-{
-    c->job.base = path;
-    if (!cli_has_ending(path, "json")) return EXIT_OK;
-    cli_apply recipe = {.job = c->job};
-    int code = cli_read_recipe(&recipe, path);
-    c->job = recipe.job;
-    memcpy(c->owned, recipe.owned, sizeof c->owned);
-    c->nowned = recipe.nowned;
-    return code;
 }
 
 // EXIT_OK, an exit code after a message, or -1 when help was asked for and given.
@@ -75,12 +63,12 @@ static int read_arguments(check *c, int argc, char **argv)
     for (int option; (option = cli_next(&args, &value)) != CLI_END;) {
         if (option == CLI_BAD) return EXIT_USAGE;
         if (option == HELP) return cli_help(stdout, "check") == EXIT_OK ? -1 : EXIT_FAILED;
-        if (option == CLI_POSITIONAL && c->job.base) {
-            cli_error("check: one base at a time, got '%s' and '%s'", c->job.base, value);
+        if (option == CLI_POSITIONAL && c->recipe.layer[0].base) {
+            cli_error("check: one base at a time, got '%s' and '%s'", c->recipe.layer[0].base, value);
             return EXIT_USAGE;
         }
         if (option == CLI_POSITIONAL) {
-            int code = set_base(c, value);
+            int code = cli_recipe_base(&c->recipe, value); // its outputs do not matter
             if (code != EXIT_OK) return code;
         } else if (!set_option(c, option, value))
             return EXIT_USAGE;
@@ -88,12 +76,24 @@ static int read_arguments(check *c, int argc, char **argv)
     return EXIT_OK;
 }
 
-static int check_arguments(const check *c)
+// One layer is looked at: the first of one, or the one that was asked for.
+static const char *choose_layer(check *c)
 {
+    int n = c->recipe.nlayers;
+    if (c->layer > n) return "--layer: the recipe has fewer layers";
+    if (n > 1 && c->layer == 0) return "the recipe has several layers: say which one, --layer N";
+    c->job = c->recipe.layer[c->layer > 0 ? c->layer - 1 : 0];
+    return NULL;
+}
+
+static int check_arguments(check *c)
+{
+    const char *wrong = choose_layer(c);
     const cli_job *job = &c->job;
     bool cells = job->options.count[0] || job->has_size || job->options.spacing || job->options.rows ||
-                 job->options.stretch || job->options.quarter_turns;
-    const char *missing = !job->base                                         ? "a BASE file is missing"
+                 job->options.stretch || job->options.quarter_turns || job->options.placement.angle != 0;
+    const char *missing = wrong                                              ? wrong
+                          : !job->base                                       ? "a BASE file is missing"
                           : cells && !job->tile                              ? "cells need a --tile"
                           : job->offset.value != 0 && job->height.value == 0 ? "--offset needs --height"
                                                                              : cli_job_conflict(job);
@@ -162,9 +162,8 @@ static int examine(cli_session *session, check *c)
 {
     double began = cli_seconds();
     int code = try_outputs(session, c);
+    if (code == EXIT_OK && c->job.tile) code = cli_read_job_tile(session, &c->tile, &c->job);
     if (code == EXIT_OK) code = cli_job_begin(session, &c->job);
-    if (code == EXIT_OK && c->job.tile)
-        code = cli_read_tile(session, &c->tile, c->job.tile, c->job.has_cell ? c->job.cell : NULL);
     if (code == EXIT_OK) code = cli_read_base(session, &c->base, c->job.base, true);
     if (code == EXIT_OK) code = check_height(c);
     if (code == EXIT_OK) code = check_make_shells(session, c);
@@ -179,7 +178,8 @@ static int examine(cli_session *session, check *c)
 
 int cli_command_check(int argc, char **argv)
 {
-    check c = {.job = cli_job_defaults(), .work = CHECK_WORK, .pixels = {1280, 960}};
+    check c = {.work = CHECK_WORK, .pixels = {1280, 960}};
+    cli_recipe_begin(&c.recipe);
     int code = read_arguments(&c, argc, argv);
     if (code == EXIT_OK) code = check_arguments(&c);
     cli_session *session = NULL;
@@ -189,6 +189,6 @@ int cli_command_check(int argc, char **argv)
     }
     if (session) check_clear(session, &c);
     cli_session_end(session);
-    for (int i = 0; i < c.nowned; i++) free(c.owned[i]);
+    cli_recipe_end(&c.recipe);
     return code < 0 ? EXIT_OK : code;
 }

@@ -41,11 +41,11 @@ typedef struct check_cell {
 } check_cell;
 
 typedef struct check {
-    cli_job job;
+    cli_recipe recipe;
+    int layer;   // of it, from 1
+    cli_job job; // that layer
     const char *outputs[16];
     int noutputs, ndrawn;
-    char *owned[CLI_MAX_OUTPUTS + 8]; // texts that a recipe allocated; freed at the end
-    int nowned;
     bool by_jacobian; // what the picture shows
     int pixels[2];
     size_t work;

@@ -11,10 +11,17 @@
 enum { EXIT_OK = 0, EXIT_FAILED = 1, EXIT_USAGE = 2, EXIT_BAD_INPUT = 3, EXIT_CHECK_FAILED = 4, EXIT_CANCELLED = 5 };
 
 // ---- options ----
+typedef enum cli_takes {
+    CLI_NOTHING, // a flag
+    CLI_TEXT,    // a value
+    CLI_FILE,    // one that may name a file: beside the recipe that says so
+    CLI_PAIRS,   // NAME=VALUE, in recipes an object
+    CLI_FILES,   // the same, where VALUE may name a file
+} cli_takes;
 typedef struct cli_option {
-    const char *name; // long name without dashes
+    const char *name; // long name without dashes at its front; in recipes the key, with '_' for '-'
     char letter;      // short name, 0: none
-    bool has_value;
+    cli_takes takes;
 } cli_option;
 
 // One pass over argv. Each call takes the next option or positional argument.
@@ -23,7 +30,7 @@ typedef struct cli_args {
     char **argv;
     const cli_option *options;
     int noptions;
-    bool job; // the options of cli_job come first: those of the command are numbered from CLI_JOB_OPTIONS
+    bool job; // also the options of cli_job: those of the command are numbered from CLI_JOB_OPTIONS
     const char *command;
     bool only_positionals; // after "--"
 } cli_args;
@@ -95,33 +102,30 @@ int cli_read_base(cli_session *session, cli_base *out, const char *path, bool vo
 void cli_base_clear(cli_session *session, cli_base *base);
 // A built-in tile by name, or a tile from a file; cell: u0, v0, u1, v1 or NULL.
 int cli_read_tile(cli_session *session, kn_tile *out, const char *name, const double *cell);
+// The tile of a job, and what its description says of counts and heights where the job does not.
+struct cli_job;
+int cli_read_job_tile(cli_session *session, kn_tile *out, struct cli_job *job);
 
-// ---- a texture on a base: what apply and check share ----
-enum {
-    CLI_TILE,
-    CLI_TILE_CELL,
-    CLI_COUNT,
-    CLI_SIZE,
-    CLI_SPACING,
-    CLI_ROWS,
-    CLI_STRETCH,
-    CLI_HEIGHT,
-    CLI_OFFSET,
-    CLI_SIDE,
-    CLI_ROTATE,
-    CLI_NORMAL,
-    CLI_NORMAL_TOL,
-    CLI_DIRECTION,
-    CLI_THICKNESS,
-    CLI_ATTRACTION,
-    CLI_ATTRACTION_POWER,
-    CLI_UNIT,
-    CLI_THREADS,
-    CLI_JSON,
-    CLI_QUIET,
-    CLI_JOB_OPTIONS
-};
-extern const cli_option cli_job_options[CLI_JOB_OPTIONS];
+// ---- a texture on a base: what apply, check and slice share ----
+struct cli_job;
+typedef enum cli_place {
+    CLI_OF_LAYER,  // a key of a layer, too
+    CLI_OF_RECIPE, // a key of the recipe
+    CLI_OF_RUN,    // an option alone
+} cli_place;
+// Options that belong together: cli/texture.c, placement.c, selection.c, variation.c, exactness.c, running.c.
+typedef struct cli_theme {
+    const cli_option *options;
+    int noptions;
+    cli_place place;
+    // name is what messages call it: "--size" or the key of a recipe. The text is kept, not copied. False after a
+    // message.
+    bool (*set)(struct cli_job *job, const char *name, int option, const char *text);
+} cli_theme;
+enum { CLI_THEMES = 6, CLI_THEME_OPTIONS = 64, CLI_JOB_OPTIONS = CLI_THEMES * CLI_THEME_OPTIONS };
+extern const cli_theme cli_texture_options, cli_placement_options, cli_selection_options, cli_variation_options,
+    cli_exactness_options, cli_running_options;
+const cli_theme *cli_theme_of(int theme);
 
 // A length that may name its unit: 3mm.
 typedef struct cli_length {
@@ -141,30 +145,65 @@ typedef struct cli_field {
     bool given;
     kn_spline spline; // over [0,1]^2, once cli_job_begin has made it
 } cli_field;
+// A number at every place of the base: a number, an expression, a picture or a spline from a file.
+typedef struct cli_scalar {
+    const char *text; // NULL: none
+    kn_field field;   // once cli_scalar_begin has made it; borrows what follows
+    double constant;
+    kn_spline spline;
+    kn_field_samples samples; // its values are the scalar's own
+    struct kn_expression *expression;
+} cli_scalar;
 
-enum { CLI_MAX_COUNT = 65536 }; // cells along a surface: what a job takes
+enum {
+    CLI_MAX_COUNT = 65536, // cells along a surface: what a job takes
+    CLI_MAX_FACES = 1024,
+    CLI_MAX_VARY = 32,
+};
+typedef struct cli_vary {
+    char parameter[KN_NAME_BYTES];
+    cli_scalar value;
+} cli_vary;
 typedef struct cli_job {
-    const char *base, *tile;
+    const char *base, *tile; // tile NULL: none
     double cell[4];
     bool has_cell;
     kn_job_options options; // lengths and fields once cli_job_begin has filled them in
-    cli_length size[2], height, offset, mesh_tol, cells_tol;
+    cli_length size[2], height, offset, mesh_tol, cells_tol, crossing_tol, scatter, taper, slab[2];
     bool has_size;
     cli_field field[CLI_FIELDS];
+    cli_scalar mask;
+    int faces[CLI_MAX_FACES], nfaces;
+    cli_vary vary[CLI_MAX_VARY];
+    kn_job_vary varied[CLI_MAX_VARY];
+    int nvary;
     double unit_mm;
     int threads;
     bool json, quiet;
-    bool has_normal, has_power; // asked for, and not the default
     bool recipe_cells;          // count or size came from a recipe: an option replaces them
+    uint64_t given[CLI_THEMES]; // bit i of theme t: its option i was given
 } cli_job;
 
 cli_job cli_job_defaults(void);
-// One option of cli_job_options; false after a message.
+// One option of the themes, as cli_next numbers them; false after a message.
 bool cli_job_set(cli_job *job, int option, const char *value);
-// Lengths in the base's unit, and fields read from their files, into job->options; exit code.
+// The same under the name of a key, where messages say `name`.
+bool cli_job_set_key(cli_job *job, int option, const char *name, const char *value);
+// The number of the option whose key this is, in a layer or in a recipe itself; -1: none. *option: NULL not wanted.
+int cli_job_find_key(const char *key, cli_place place, const cli_option **option);
+bool cli_job_was_given(const cli_job *job, int option);
+// Lengths in the base's unit, and fields read from their files, into job->options; exit code. The job stays where it
+// is until cli_job_end.
 int cli_job_begin(cli_session *session, cli_job *job);
 void cli_job_end(cli_session *session, cli_job *job);
 int cli_read_field(cli_session *session, cli_field *field, cli_field_kind kind); // exit code
+// A surface of one component (or three, of which the last one counts) over [0,1]^2. Exit code.
+int cli_read_scalar_spline(cli_session *session, kn_spline *out, const char *path, const char *name);
+// The scalar's field from its text; name: of the option; seed: of noise. Exit code.
+int cli_scalar_begin(cli_session *session, cli_scalar *scalar, const char *name, uint64_t seed);
+void cli_scalar_end(cli_session *session, cli_scalar *scalar);
+// Whether text names a file that can be a scalar.
+bool cli_scalar_is_file(const char *text);
 // The angle above which an edge inside a base is a crease: what a job takes (0: the default tolerance of normals).
 double cli_crease_angle(double normal_tol);
 // Options that exclude or need each other; NULL, or what is wrong.
@@ -181,33 +220,57 @@ bool cli_field_makes_sense(const char *name, cli_field_kind kind, const cli_fiel
 // The heights from the base to the job's height on its side, lifted by the offset: lo <= hi.
 void cli_job_range(const cli_job *job, double range[2]);
 
-// Values that options and recipe keys share; each prints its own message.
-bool cli_set_rotation(const char *name, double degrees, kn_job_options *job);
-bool cli_set_max_degree(const char *name, const char *text, kn_job_options *job);
+// Values of options; each prints its own message.
+// The place of text among n names, or -1 after a message.
+int cli_choice(const char *name, const char *text, const char *const *names, int n, const char *expected);
 bool cli_set_unit(const char *name, const char *text, double *unit_mm);
 bool cli_set_cell(const char *name, const char *text, double cell[4]);
-bool cli_set_side(const char *name, const char *text, kn_job_options *job);
-bool cli_set_normal(const char *name, const char *text, kn_job_options *job);
-bool cli_set_spacing(const char *name, const char *text, kn_job_options *job);
-// "X,Y,Z" (thickness: one number) or the name of a .g2 file, which is kept, not copied.
-bool cli_set_field(const char *name, const char *text, cli_field_kind kind, cli_field *field);
 bool cli_length_of(const char *name, const char *text, cli_length *out);
+bool cli_positive_length(const char *name, const char *text, cli_length *out);
+// "A" for both, or "A,B".
+bool cli_length_pair(const char *name, const char *text, cli_length out[2]);
+// "A" and 0, or "A,B".
+bool cli_shift_pair(const char *name, const char *text, double out[2]);
 bool cli_above_zero(const char *name, double value);
 const char *cli_unit_name(double unit_mm); // "mm" ..
 
-// ---- apply ----
-enum { CLI_MAX_OUTPUTS = 16 };
-typedef struct cli_apply {
-    cli_job job;
+// ---- recipes: layers of textures, and where they go ----
+enum { CLI_MAX_LAYERS = 16, CLI_MAX_OUTPUTS = 16 };
+// What a recipe says, or options in its place. Begin with cli_recipe_begin; cli_recipe_end frees texts alone.
+typedef struct cli_recipe {
+    cli_job layer[CLI_MAX_LAYERS]; // what they share (base, unit, threads ..) is the same in all
+    int nlayers;                   // 1 or more
     const char *outputs[CLI_MAX_OUTPUTS];
     int noutputs;
+    struct cli_owned *owned; // texts that the file gave
+} cli_recipe;
+void cli_recipe_begin(cli_recipe *recipe);
+void cli_recipe_end(cli_recipe *recipe);
+// One option of the themes, for all layers.
+bool cli_recipe_set(cli_recipe *recipe, int option, const char *value);
+// A spline file that is the base, or a recipe (.json) that names one. Exit code.
+int cli_recipe_base(cli_recipe *recipe, const char *path);
+// Fills the recipe from a file; exit code.
+int cli_read_recipe(cli_recipe *recipe, const char *path);
+bool cli_add_output(cli_recipe *recipe, const char *name, const char *path);
+// cli_job_conflict of all layers.
+const char *cli_recipe_conflict(const cli_recipe *recipe);
+
+// The base and the tiles of a recipe. Zero is empty; cli_inputs_end ends it, and the jobs of the layers.
+typedef struct cli_inputs {
+    cli_base base;
+    kn_tile tile[CLI_MAX_LAYERS];
+} cli_inputs;
+// Reads them and makes each layer's job->options ready (cli_job_begin). Exit code. The recipe stays where it is until
+// cli_inputs_end.
+int cli_inputs_begin(cli_session *session, cli_inputs *inputs, cli_recipe *recipe);
+void cli_inputs_end(cli_session *session, cli_inputs *inputs, cli_recipe *recipe);
+
+// ---- apply ----
+typedef struct cli_apply {
+    cli_recipe recipe;
     bool dry_run;
-    char *owned[CLI_MAX_OUTPUTS + 8]; // texts that a recipe allocated; freed at the end
-    int nowned;
 } cli_apply;
-bool cli_add_output(cli_apply *apply, const char *name, const char *path);
-// Fills apply from a recipe; exit code.
-int cli_read_recipe(cli_apply *apply, const char *path);
 
 // A sink for path by its ending. False (nothing printed) when the ending has no writer.
 bool cli_can_write(const char *path);

@@ -7,12 +7,12 @@
 
 enum { AT, PATCH, DERIVATIVES, NORMAL_TOL, JSON, HELP };
 static const cli_option options[] = {
-    [AT] = {"at", 0, true},
-    [PATCH] = {"patch", 0, true},
-    [DERIVATIVES] = {"derivatives", 0, true},
-    [NORMAL_TOL] = {"normal-tol", 0, true},
-    [JSON] = {"json", 0, false},
-    [HELP] = {"help", 'h', false},
+    [AT] = {"at", 0, CLI_TEXT},
+    [PATCH] = {"patch", 0, CLI_TEXT},
+    [DERIVATIVES] = {"derivatives", 0, CLI_TEXT},
+    [NORMAL_TOL] = {"normal-tol", 0, CLI_TEXT},
+    [JSON] = {"json", 0, CLI_NOTHING},
+    [HELP] = {"help", 'h', CLI_NOTHING},
 };
 
 enum { MOST_POINTS = 1024, MOST_ORDER = 8 };

@@ -60,38 +60,43 @@ static kn_status make_constant(kn_ctx *ctx, cli_field *field, cli_field_kind kin
 }
 
 // The file's surface over [0,1]^2. A thickness may also be drawn as a surface in space: its last coordinate counts.
-static kn_status take_surface(kn_ctx *ctx, cli_field *field, cli_field_kind kind, const kn_spline *from)
+static kn_status take_surface(kn_ctx *ctx, kn_spline *out, int n, const kn_spline *from)
 {
-    int n = components_of(kind);
-    kn_status status = kn_spline_components(ctx, &field->spline, from, from->ncomp - n, n);
-    for (int d = 0; d < 2 && status == KN_OK; d++)
-        status = kn_spline_reparameterize(ctx, &field->spline, &field->spline, d, 0, 1);
+    kn_status status = kn_spline_components(ctx, out, from, from->ncomp - n, n);
+    for (int d = 0; d < 2 && status == KN_OK; d++) status = kn_spline_reparameterize(ctx, out, out, d, 0, 1);
     return status;
 }
 
-int cli_read_field(cli_session *session, cli_field *field, cli_field_kind kind)
+static int read_surface(cli_session *session, kn_spline *out, const char *path, const char *name, int n)
 {
     kn_ctx *ctx = cli_ctx(session);
     kn_model model = {0};
-    if (!field->given) return EXIT_OK;
-    if (!field->path) {
-        kn_status made = make_constant(ctx, field, kind);
-        return made == KN_OK ? EXIT_OK : cli_fail(session, made, false);
-    }
-    kn_status status = kn_read_model(ctx, &model, field->path);
-    int code = status == KN_OK ? EXIT_OK : cli_fail_on(session, status, field->path, true);
+    kn_status status = kn_read_model(ctx, &model, path);
+    int code = status == KN_OK ? EXIT_OK : cli_fail_on(session, status, path, true);
     if (code == EXIT_OK) {
         const kn_spline *s = model.nsplines == 1 ? &model.splines[0] : NULL;
-        bool fits = s && s->nvars == 2 && !s->rational && (s->ncomp == 3 || s->ncomp == components_of(kind));
-        status = fits ? take_surface(ctx, field, kind, s) : KN_OK;
-        if (status != KN_OK) code = cli_fail_on(session, status, field->path, true);
+        bool fits = s && s->nvars == 2 && !s->rational && (s->ncomp == 3 || s->ncomp == n);
+        status = fits ? take_surface(ctx, out, n, s) : KN_OK;
+        if (status != KN_OK) code = cli_fail_on(session, status, path, true);
         if (!fits) {
-            cli_error("%s: %s: expected one polynomial surface of %s", name_of(kind), field->path,
-                      kind == CLI_FIELD_THICKNESS ? "1 component (or 3, of which the last one counts)"
-                                                  : "3 components");
+            cli_error("%s: %s: expected one polynomial surface of %s", name, path,
+                      n == 1 ? "1 component (or 3, of which the last one counts)" : "3 components");
             code = EXIT_BAD_INPUT;
         }
     }
     kn_model_clear(ctx, &model);
     return code;
+}
+
+int cli_read_field(cli_session *session, cli_field *field, cli_field_kind kind)
+{
+    if (!field->given) return EXIT_OK;
+    if (field->path) return read_surface(session, &field->spline, field->path, name_of(kind), components_of(kind));
+    kn_status made = make_constant(cli_ctx(session), field, kind);
+    return made == KN_OK ? EXIT_OK : cli_fail(session, made, false);
+}
+
+int cli_read_scalar_spline(cli_session *session, kn_spline *out, const char *path, const char *name)
+{
+    return read_surface(session, out, path, name, 1);
 }

@@ -11,7 +11,7 @@
 #endif
 
 enum { JSON, HELP };
-static const cli_option options[] = {[JSON] = {"json", 0, false}, [HELP] = {"help", 'h', false}};
+static const cli_option options[] = {[JSON] = {"json", 0, CLI_NOTHING}, [HELP] = {"help", 'h', CLI_NOTHING}};
 
 typedef struct box {
     double lo[3], hi[3];

@@ -71,3 +71,8 @@ int cli_read_tile(cli_session *session, kn_tile *out, const char *name, const do
     kn_status status = kn_read_tile(ctx, out, name, cell);
     return status == KN_OK ? EXIT_OK : cli_fail_on(session, status, name, true);
 }
+
+int cli_read_job_tile(cli_session *session, kn_tile *out, cli_job *job)
+{
+    return cli_read_tile(session, out, job->tile, job->has_cell ? job->cell : NULL);
+}

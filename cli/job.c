@@ -1,106 +1,74 @@
 // SPDX-License-Identifier: Apache-2.0
-// A texture on a base as options describe it: apply composes it, check looks where it folds.
+// A texture on a base as options describe it: apply composes it, check looks where it folds, slice cuts it.
 #include "cli/cli.h"
 
 #include <math.h>
 #include <string.h>
 
-const cli_option cli_job_options[CLI_JOB_OPTIONS] = {
-    [CLI_TILE] = {"tile", 't', true},
-    [CLI_TILE_CELL] = {"tile-cell", 0, true},
-    [CLI_COUNT] = {"count", 'c', true},
-    [CLI_SIZE] = {"size", 's', true},
-    [CLI_SPACING] = {"spacing", 0, true},
-    [CLI_ROWS] = {"rows", 0, false},
-    [CLI_STRETCH] = {"stretch", 0, false},
-    [CLI_HEIGHT] = {"height", 0, true},
-    [CLI_OFFSET] = {"offset", 0, true},
-    [CLI_SIDE] = {"side", 0, true},
-    [CLI_ROTATE] = {"rotate", 0, true},
-    [CLI_NORMAL] = {"normal", 0, true},
-    [CLI_NORMAL_TOL] = {"normal-tol", 0, true},
-    [CLI_DIRECTION] = {"direction", 0, true},
-    [CLI_THICKNESS] = {"thickness", 0, true},
-    [CLI_ATTRACTION] = {"attraction", 0, true},
-    [CLI_ATTRACTION_POWER] = {"attraction-power", 0, true},
-    [CLI_UNIT] = {"unit", 0, true},
-    [CLI_THREADS] = {"threads", 'j', true},
-    [CLI_JSON] = {"json", 0, false},
-    [CLI_QUIET] = {"quiet", 'q', false},
-};
+const cli_theme *cli_theme_of(int theme)
+{
+    static const cli_theme *const themes[CLI_THEMES] = {&cli_texture_options,   &cli_placement_options,
+                                                        &cli_selection_options, &cli_variation_options,
+                                                        &cli_exactness_options, &cli_running_options};
+    return themes[theme];
+}
 
 cli_job cli_job_defaults(void)
 {
     return (cli_job){.options = kn_job_defaults(), .unit_mm = 1};
 }
 
-// "L" for both directions, or "L,L".
-static bool set_size(cli_job *job, const char *text)
+bool cli_job_set_key(cli_job *job, int option, const char *name, const char *value)
 {
-    char first[64];
-    const char *comma = strchr(text, ',');
-    size_t length = comma ? (size_t)(comma - text) : strlen(text);
-    snprintf(first, sizeof first, "%.*s", (int)(length < sizeof first ? length : sizeof first - 1), text);
-    job->has_size = cli_length_of("--size", first, &job->size[0]) &&
-                    cli_length_of("--size", comma ? comma + 1 : first, &job->size[1]) &&
-                    cli_above_zero("--size", job->size[0].value) && cli_above_zero("--size", job->size[1].value);
-    return job->has_size;
-}
-
-static bool set_height(cli_job *job, const char *text)
-{
-    if (!cli_length_of("--height", text, &job->height)) return false;
-    if (job->height.value != 0) return true;
-    cli_error("--height: a texture of height 0 is flat; with a tile leave it out for the tile's own proportions");
-    return false;
+    int theme = option / CLI_THEME_OPTIONS, index = option % CLI_THEME_OPTIONS;
+    job->given[theme] |= (uint64_t)1 << index;
+    return cli_theme_of(theme)->set(job, name, index, value);
 }
 
 bool cli_job_set(cli_job *job, int option, const char *value)
 {
-    kn_job_options *o = &job->options;
-    double number;
-    if ((option == CLI_COUNT || option == CLI_SIZE) && job->recipe_cells) {
-        o->count[0] = o->count[1] = 0;
-        job->has_size = job->recipe_cells = false;
+    char name[64];
+    const cli_theme *theme = cli_theme_of(option / CLI_THEME_OPTIONS);
+    snprintf(name, sizeof name, "--%s", theme->options[option % CLI_THEME_OPTIONS].name);
+    return cli_job_set_key(job, option, name, value);
+}
+
+static bool is_key_of(const char *key, const char *option)
+{
+    for (; *key && (*key == *option || (*key == '_' && *option == '-')); key++) option++;
+    return *key == *option;
+}
+
+int cli_job_find_key(const char *key, cli_place place, const cli_option **option)
+{
+    for (int t = 0; t < CLI_THEMES; t++) {
+        const cli_theme *theme = cli_theme_of(t);
+        for (int i = 0; i < theme->noptions && theme->place == place; i++)
+            if (is_key_of(key, theme->options[i].name)) {
+                if (option) *option = &theme->options[i];
+                return t * CLI_THEME_OPTIONS + i;
+            }
     }
-    switch (option) {
-    case CLI_TILE: job->tile = value; return true;
-    case CLI_TILE_CELL: return job->has_cell = cli_set_cell("--tile-cell", value, job->cell);
-    case CLI_COUNT: return cli_int_pair("--count", value, 1, CLI_MAX_COUNT, o->count);
-    case CLI_SIZE: return set_size(job, value);
-    case CLI_SPACING: return cli_set_spacing("--spacing", value, o);
-    case CLI_ROWS: return o->rows = true;
-    case CLI_STRETCH: return o->stretch = true;
-    case CLI_HEIGHT: return set_height(job, value);
-    case CLI_OFFSET: return cli_length_of("--offset", value, &job->offset);
-    case CLI_SIDE: return cli_set_side("--side", value, o);
-    case CLI_ROTATE: return cli_double("--rotate", value, &number) && cli_set_rotation("--rotate", number, o);
-    case CLI_NORMAL: return job->has_normal = cli_set_normal("--normal", value, o);
-    case CLI_NORMAL_TOL:
-        return cli_double("--normal-tol", value, &o->normal_tol) && cli_above_zero("--normal-tol", o->normal_tol);
-    case CLI_DIRECTION:
-        return cli_set_field("--direction", value, CLI_FIELD_DIRECTION, &job->field[CLI_FIELD_DIRECTION]);
-    case CLI_THICKNESS:
-        return cli_set_field("--thickness", value, CLI_FIELD_THICKNESS, &job->field[CLI_FIELD_THICKNESS]);
-    case CLI_ATTRACTION:
-        return cli_set_field("--attraction", value, CLI_FIELD_ATTRACTION, &job->field[CLI_FIELD_ATTRACTION]);
-    case CLI_ATTRACTION_POWER:
-        return job->has_power = cli_int("--attraction-power", value, 1, KN_MAX_DEGREE, &o->attraction_power);
-    case CLI_UNIT: return cli_set_unit("--unit", value, &job->unit_mm);
-    case CLI_THREADS: return cli_int("--threads", value, 1, 1024, &job->threads);
-    case CLI_JSON: return job->json = true;
-    case CLI_QUIET: return job->quiet = true;
-    default: return false;
-    }
+    return -1;
+}
+
+bool cli_job_was_given(const cli_job *job, int option)
+{
+    return job->given[option / CLI_THEME_OPTIONS] >> option % CLI_THEME_OPTIONS & 1;
 }
 
 const char *cli_job_conflict(const cli_job *job)
 {
+    const kn_job_options *o = &job->options;
     bool direction = job->field[CLI_FIELD_DIRECTION].given, attraction = job->field[CLI_FIELD_ATTRACTION].given;
-    return job->options.count[0] && job->has_size ? "--count and --size exclude each other"
-           : direction && job->has_normal         ? "--normal and --direction exclude each other"
-           : job->has_power && !attraction        ? "--attraction-power needs --attraction"
-                                                  : NULL;
+    bool normal = cli_job_was_given(job, cli_job_find_key("normal", CLI_OF_RECIPE, NULL));
+    bool power = cli_job_was_given(job, cli_job_find_key("attraction_power", CLI_OF_LAYER, NULL));
+    return o->count[0] && job->has_size ? "--count and --size exclude each other"
+           : direction && normal        ? "--normal and --direction exclude each other"
+           : power && !attraction       ? "--attraction-power needs --attraction"
+           : job->crossing_tol.value > 0 && o->crossing == KN_CROSSING_REFUSE
+               ? "--crossing-tol needs --crossing trim or approximate"
+               : NULL;
 }
 
 double cli_crease_angle(double normal_tol)
@@ -123,15 +91,24 @@ void cli_job_range(const cli_job *job, double range[2])
     for (int end = 0; end < 2; end++) range[end] += o->offset;
 }
 
-int cli_job_begin(cli_session *session, cli_job *job)
+static void set_lengths(cli_job *job)
 {
     kn_job_options *o = &job->options;
-    int code = EXIT_OK;
     o->height = in_base_units(job, job->height);
     o->offset = in_base_units(job, job->offset);
     o->cells_tol = in_base_units(job, job->cells_tol);
     o->mesh_tol = in_base_units(job, job->mesh_tol);
+    o->crossing_tol = in_base_units(job, job->crossing_tol);
+    o->taper = in_base_units(job, job->taper);
+    o->placement.scatter.distance = in_base_units(job, job->scatter);
     for (int d = 0; d < 2 && job->has_size; d++) o->size[d] = in_base_units(job, job->size[d]);
+    for (int d = 0; d < 2; d++) o->select.slab_z[d] = in_base_units(job, job->slab[d]);
+}
+
+static int set_shell_fields(cli_session *session, cli_job *job)
+{
+    kn_job_options *o = &job->options;
+    int code = EXIT_OK;
     for (int f = 0; f < CLI_FIELDS && code == EXIT_OK; f++)
         code = cli_read_field(session, &job->field[f], (cli_field_kind)f);
     const kn_spline *fields[CLI_FIELDS];
@@ -142,7 +119,35 @@ int cli_job_begin(cli_session *session, cli_job *job)
     return code;
 }
 
+static int set_scalars(cli_session *session, cli_job *job)
+{
+    kn_job_options *o = &job->options;
+    uint64_t seed = o->select.seed;
+    int code = cli_scalar_begin(session, &job->mask, "--mask", seed);
+    o->select.mask = job->mask.field;
+    for (int i = 0; i < job->nvary && code == EXIT_OK; i++) {
+        char name[KN_NAME_BYTES + 16];
+        snprintf(name, sizeof name, "--vary %s", job->vary[i].parameter);
+        code = cli_scalar_begin(session, &job->vary[i].value, name, seed);
+        job->varied[i] = (kn_job_vary){job->vary[i].parameter, job->vary[i].value.field};
+    }
+    o->vary = job->nvary > 0 ? job->varied : NULL;
+    o->nvary = job->nvary;
+    return code;
+}
+
+int cli_job_begin(cli_session *session, cli_job *job)
+{
+    set_lengths(job);
+    job->options.select.surfaces = job->nfaces > 0 ? job->faces : NULL;
+    job->options.select.nsurfaces = job->nfaces;
+    int code = set_shell_fields(session, job);
+    return code == EXIT_OK ? set_scalars(session, job) : code;
+}
+
 void cli_job_end(cli_session *session, cli_job *job)
 {
     for (int f = 0; f < CLI_FIELDS; f++) kn_spline_clear(cli_ctx(session), &job->field[f].spline);
+    cli_scalar_end(session, &job->mask);
+    for (int i = 0; i < job->nvary; i++) cli_scalar_end(session, &job->vary[i].value);
 }

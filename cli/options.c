@@ -65,23 +65,29 @@ const char *cli_nearest(const char *word, const char *const *candidates, int n)
     return best;
 }
 
-static int count_options(const cli_args *args)
+// Numbers of options are not without gaps: the themes of a job begin at multiples of CLI_THEME_OPTIONS.
+static int end_of_options(const cli_args *args)
 {
     return args->noptions + (args->job ? CLI_JOB_OPTIONS : 0);
 }
 
+// NULL: no option has this number.
 static const cli_option *option_at(const cli_args *args, int i)
 {
     if (!args->job) return &args->options[i];
-    return i < CLI_JOB_OPTIONS ? &cli_job_options[i] : &args->options[i - CLI_JOB_OPTIONS];
+    if (i >= CLI_JOB_OPTIONS) return &args->options[i - CLI_JOB_OPTIONS];
+    const cli_theme *theme = cli_theme_of(i / CLI_THEME_OPTIONS);
+    return i % CLI_THEME_OPTIONS < theme->noptions ? &theme->options[i % CLI_THEME_OPTIONS] : NULL;
 }
 
 static int unknown_option(const cli_args *args, const char *name, size_t length)
 {
-    const char *names[64];
+    enum { MOST = 128 };
+    const char *names[MOST];
     char word[64];
-    int n = count_options(args) < 64 ? count_options(args) : 64;
-    for (int i = 0; i < n; i++) names[i] = option_at(args, i)->name;
+    int n = 0;
+    for (int i = 0; i < end_of_options(args) && n < MOST; i++)
+        if (option_at(args, i)) names[n++] = option_at(args, i)->name;
     snprintf(word, sizeof word, "%.*s", (int)length, name);
     const char *nearest = cli_nearest(word, names, n);
     if (nearest)
@@ -95,7 +101,7 @@ static int unknown_option(const cli_args *args, const char *name, size_t length)
 static int take_value(cli_args *args, int index, const char *attached, const char **value)
 {
     const cli_option *option = option_at(args, index);
-    if (!option->has_value) {
+    if (option->takes == CLI_NOTHING) {
         if (!attached) return index;
         cli_error("%s: --%s takes no value", args->command, option->name);
         return CLI_BAD;
@@ -126,15 +132,18 @@ int cli_next(cli_args *args, const char **value)
         return CLI_POSITIONAL;
     }
     if (text[1] != '-') {
-        for (int i = 0; i < count_options(args); i++)
-            if (option_at(args, i)->letter == text[1]) return take_value(args, i, text[2] ? text + 2 : NULL, value);
+        for (int i = 0; i < end_of_options(args); i++)
+            if (option_at(args, i) && option_at(args, i)->letter == text[1])
+                return take_value(args, i, text[2] ? text + 2 : NULL, value);
         return unknown_option(args, text + 1, 1);
     }
     const char *name = text + 2, *equals = strchr(name, '=');
     size_t length = equals ? (size_t)(equals - name) : strlen(name);
-    for (int i = 0; i < count_options(args); i++)
-        if (strlen(option_at(args, i)->name) == length && strncmp(option_at(args, i)->name, name, length) == 0)
+    for (int i = 0; i < end_of_options(args); i++) {
+        const cli_option *option = option_at(args, i);
+        if (option && strlen(option->name) == length && strncmp(option->name, name, length) == 0)
             return take_value(args, i, equals ? equals + 1 : NULL, value);
+    }
     return unknown_option(args, name, length);
 }
 

@@ -1,249 +1,207 @@
 // SPDX-License-Identifier: Apache-2.0
 // Recipes: the arguments of `knurl apply` as a JSON file, format 1. The schema is docs/recipe.schema.json.
-// Paths are relative to the recipe's folder; unknown keys are errors, so that a slip of the pen is not silence.
+// Keys are the names of options with '_' for '-', and their values mean what the options' texts mean. Paths are
+// relative to the recipe's folder; unknown keys are errors, so that a slip of the pen is not silence.
+#include "bridges/jansson/text.h"
 #include "cli/cli.h"
 
-#include <jansson.h>
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-typedef struct recipe {
+// A text of the recipe, freed with it.
+typedef struct cli_owned {
+    struct cli_owned *next;
+    char text[];
+} cli_owned;
+
+typedef struct reader {
     const char *path;
-    cli_apply *apply;
-} recipe;
+    cli_recipe *recipe;
+} reader;
 
 // The name of a key for messages of functions that options share: the recipe's path and the key.
 typedef struct label {
     char text[512];
 } label;
-static label in_recipe(const recipe *r, const char *key)
+static label in_recipe(const reader *r, const char *key)
 {
     label out;
     snprintf(out.text, sizeof out.text, "%.400s: \"%.80s\"", r->path, key);
     return out;
 }
 
-static bool bad(const recipe *r, const char *key, const char *expected)
+static bool bad(const reader *r, const char *key, const char *expected)
 {
     cli_error("%s: \"%s\": expected %s", r->path, key, expected);
     return false;
 }
 
-// The text as a path beside the recipe, owned by the apply. Built-in tile names stay as they are.
-static const char *own(const recipe *r, const char *text, bool is_path)
+// The three texts one after the other, owned by the recipe.
+static char *own(const reader *r, const char *a, size_t na, const char *b, const char *c)
 {
-    const char *slash = strrchr(r->path, '/');
-    size_t folder = is_path && slash && text[0] != '/' ? (size_t)(slash - r->path) + 1 : 0;
-    size_t length = strlen(text) + 1;
-    char *copy = malloc(folder + length);
-    if (!copy) {
+    size_t nb = strlen(b), nc = strlen(c);
+    cli_owned *block = malloc(sizeof *block + na + nb + nc + 1);
+    if (!block) {
         cli_error("out of memory");
         return NULL;
     }
-    memcpy(copy, r->path, folder);
-    memcpy(copy + folder, text, length);
-    r->apply->owned[r->apply->nowned++] = copy;
-    return copy;
+    memcpy(block->text, a, na);
+    memcpy(block->text + na, b, nb);
+    memcpy(block->text + na + nb, c, nc + 1);
+    block->next = r->recipe->owned;
+    r->recipe->owned = block;
+    return block->text;
 }
 
-static bool get_text(const recipe *r, const char *key, const json_t *value, bool is_path, const char **out)
+void cli_recipe_end(cli_recipe *recipe)
 {
-    if (!json_is_string(value) || !*json_string_value(value)) return bad(r, key, "a text");
-    return (*out = own(r, json_string_value(value), is_path)) != NULL;
+    while (recipe->owned) {
+        cli_owned *block = recipe->owned;
+        recipe->owned = block->next;
+        free(block);
+    }
 }
 
-static bool get_number(const recipe *r, const char *key, const json_t *value, double *out)
+// The folder that a path counts from: so many bytes of the recipe's own path.
+static size_t folder_bytes(const reader *r, const char *path)
 {
-    if (!json_is_number(value)) return bad(r, key, "a number");
-    *out = json_number_value(value);
-    return true;
+    const char *slash = strrchr(r->path, '/');
+    return slash && path[0] != '/' ? (size_t)(slash - r->path) + 1 : 0;
 }
 
-static bool get_above_zero(const recipe *r, const char *key, const json_t *value, double *out)
+static bool get_path(const reader *r, const char *key, const json_t *value, const char **out)
 {
-    return get_number(r, key, value, out) && (*out > 0 || bad(r, key, "a number above 0"));
+    const char *text = json_string_value(value);
+    if (!text || !*text) return bad(r, key, "a text");
+    return (*out = own(r, r->path, folder_bytes(r, text), text, "")) != NULL;
 }
 
-// A number for both directions, or an array of two.
-static bool get_pair(const recipe *r, const char *key, const json_t *value, double out[2])
+// Names of built-in tiles have no dot.
+static bool names_a_file(const cli_option *option, const char *text)
 {
-    if (json_is_array(value) && json_array_size(value) == 2)
-        return get_above_zero(r, key, json_array_get(value, 0), &out[0]) &&
-               get_above_zero(r, key, json_array_get(value, 1), &out[1]);
-    return get_above_zero(r, key, value, &out[0]) && (out[1] = out[0], true);
+    if (strcmp(option->name, "tile") == 0) return strchr(text, '.') != NULL;
+    return (option->takes == CLI_FILE || option->takes == CLI_FILES) && cli_scalar_is_file(text);
 }
 
-static bool get_count(const recipe *r, const json_t *value)
+// The option of a key as its text would set it. prefix: "NAME=" or "".
+static bool set_text(const reader *r, cli_job *job, int number, const cli_option *option, const char *key,
+                     const char *prefix, const json_t *value)
 {
-    double pair[2];
-    if (!get_pair(r, "count", value, pair)) return false;
-    for (int d = 0; d < 2; d++) {
-        if (pair[d] != floor(pair[d]) || pair[d] > CLI_MAX_COUNT)
-            return bad(r, "count", "whole numbers from 1 to 65536");
-        r->apply->job.options.count[d] = (int)pair[d];
+    char *text = kn_json_text(value);
+    if (!text || !*text) {
+        free(text);
+        return bad(r, key, "a number, a text, or an array of them");
+    }
+    // prefix + folder + text: a path keeps its place behind the name of a parameter.
+    size_t folder = names_a_file(option, text) ? folder_bytes(r, text) : 0;
+    char *path = own(r, r->path, folder, text, ""), *whole = path ? own(r, prefix, strlen(prefix), path, "") : NULL;
+    free(text);
+    return whole && cli_job_set_key(job, number, in_recipe(r, key).text, whole);
+}
+
+static bool set_pairs(const reader *r, cli_job *job, int number, const cli_option *option, const char *key,
+                      json_t *object)
+{
+    const char *name;
+    json_t *value;
+    if (!json_is_object(object)) return bad(r, key, "an object, names and values");
+    json_object_foreach(object, name, value)
+    {
+        const char *prefix = own(r, name, strlen(name), "=", "");
+        if (!prefix || !set_text(r, job, number, option, key, prefix, value)) return false;
     }
     return true;
 }
 
-static bool get_max_degree(const recipe *r, const json_t *value)
+// false in *known: no option has this key.
+static bool set_key(const reader *r, cli_job *job, cli_place place, const char *key, json_t *value, bool *known)
 {
-    char text[32];
-    if (json_is_string(value))
-        snprintf(text, sizeof text, "%s", json_string_value(value));
-    else if (json_is_integer(value))
-        snprintf(text, sizeof text, "%lld", (long long)json_integer_value(value));
-    else
-        return bad(r, "max_degree", "a whole number or a profile");
-    return cli_set_max_degree(in_recipe(r, "max_degree").text, text, &r->apply->job.options);
+    const cli_option *option = NULL;
+    int number = cli_job_find_key(key, place, &option);
+    *known = number >= 0;
+    if (!*known) return true;
+    if (option->takes == CLI_PAIRS || option->takes == CLI_FILES)
+        return set_pairs(r, job, number, option, key, value);
+    if (option->takes != CLI_NOTHING) return set_text(r, job, number, option, key, "", value);
+    if (!json_is_boolean(value)) return bad(r, key, "true or false");
+    return json_is_false(value) || cli_job_set_key(job, number, in_recipe(r, key).text, NULL);
 }
 
-// A number in the base's unit, or a text with a unit of its own.
-static bool get_length(const recipe *r, const char *key, const json_t *value, cli_length *out, bool above_zero)
+static bool get_layer(const reader *r, cli_job *job, json_t *layer)
 {
-    cli_length l = {.value = json_number_value(value)};
-    if (json_is_string(value)) {
-        if (!cli_length_of(in_recipe(r, key).text, json_string_value(value), &l)) return false;
-    } else if (!json_is_number(value))
-        return bad(r, key, "a number or a length such as \"3mm\"");
-    if (above_zero && !(l.value > 0)) return bad(r, key, "a length above 0");
-    *out = l;
-    return true;
-}
-
-static bool get_size(const recipe *r, const json_t *value)
-{
-    cli_job *job = &r->apply->job;
-    bool pair = json_is_array(value) && json_array_size(value) == 2;
-    return job->has_size = get_length(r, "size", pair ? json_array_get(value, 0) : value, &job->size[0], true) &&
-                           get_length(r, "size", pair ? json_array_get(value, 1) : value, &job->size[1], true);
-}
-
-// A file beside the recipe, a vector, or for a thickness a number.
-static bool get_field(const recipe *r, const char *key, const json_t *value, cli_field_kind kind)
-{
-    cli_field *field = &r->apply->job.field[kind];
-    bool scalar = kind == CLI_FIELD_THICKNESS;
-    const char *text = json_string_value(value);
-    field->given = true;
-    if (text && (cli_has_ending(text, "g2") || cli_has_ending(text, "bpt")))
-        return get_text(r, key, value, true, &field->path);
-    field->path = NULL;
-    if (scalar && !json_is_array(value))
-        return get_number(r, key, value, &field->value[0]) &&
-               cli_field_makes_sense(in_recipe(r, key).text, kind, field);
-    if (scalar || !json_is_array(value) || json_array_size(value) != 3)
-        return bad(r, key, scalar ? "a number or a .g2 file" : "[x, y, z] or a .g2 file");
-    for (size_t c = 0; c < 3; c++)
-        if (!get_number(r, key, json_array_get(value, c), &field->value[c])) return false;
-    return cli_field_makes_sense(in_recipe(r, key).text, kind, field);
-}
-
-static bool get_flag(const recipe *r, const char *key, const json_t *value, bool *out)
-{
-    *out = json_is_true(value);
-    return json_is_boolean(value) || bad(r, key, "true or false");
-}
-
-static bool get_power(const recipe *r, const char *key, const json_t *value)
-{
-    json_int_t power = json_integer_value(value); // 0 when it is none
-    r->apply->job.options.attraction_power = power > 0 && power <= KN_MAX_DEGREE ? (int)power : 0;
-    r->apply->job.has_power = true;
-    return r->apply->job.options.attraction_power > 0 || bad(r, key, "a whole number above 0");
-}
-
-// Keys that tell where cells lie.
-static bool cells_key(const recipe *r, const char *key, const json_t *value, bool *known)
-{
-    kn_job_options *o = &r->apply->job.options;
-    const char *text = json_string_value(value);
-    *known = true;
-    if (strcmp(key, "count") == 0) return get_count(r, value);
-    if (strcmp(key, "size") == 0) return get_size(r, value);
-    if (strcmp(key, "spacing") == 0) return cli_set_spacing(in_recipe(r, key).text, text ? text : "", o);
-    if (strcmp(key, "rows") == 0) return get_flag(r, key, value, &o->rows);
-    if (strcmp(key, "stretch") == 0) return get_flag(r, key, value, &o->stretch);
-    *known = false;
-    return true;
-}
-
-static bool layer_key(const recipe *r, const char *key, const json_t *value)
-{
-    cli_job *job = &r->apply->job;
-    const char *text = json_string_value(value);
-    double number;
-    bool known, ok = cells_key(r, key, value, &known);
-    if (known) return ok;
-    if (strcmp(key, "tile") == 0) return get_text(r, key, value, text && strchr(text, '.'), &job->tile);
-    if (strcmp(key, "height") == 0)
-        return get_length(r, key, value, &job->height, false) &&
-               (job->height.value != 0 || bad(r, key, "a length other than 0"));
-    if (strcmp(key, "offset") == 0) return get_length(r, key, value, &job->offset, false);
-    if (strcmp(key, "side") == 0) return cli_set_side(in_recipe(r, key).text, text ? text : "", &job->options);
-    if (strcmp(key, "rotate") == 0)
-        return get_number(r, key, value, &number) && cli_set_rotation(in_recipe(r, key).text, number, &job->options);
-    if (strcmp(key, "direction") == 0) return get_field(r, key, value, CLI_FIELD_DIRECTION);
-    if (strcmp(key, "thickness") == 0) return get_field(r, key, value, CLI_FIELD_THICKNESS);
-    if (strcmp(key, "attraction") == 0) return get_field(r, key, value, CLI_FIELD_ATTRACTION);
-    if (strcmp(key, "attraction_power") == 0) return get_power(r, key, value);
-    cli_error("%s: unknown key \"%s\" in a layer", r->path, key);
-    return false;
-}
-
-static bool get_layers(const recipe *r, json_t *layers)
-{
-    if (!json_is_array(layers) || json_array_size(layers) != 1 || !json_is_object(json_array_get(layers, 0)))
-        return bad(r, "layers", "an array of one object");
     const char *key;
     json_t *value;
-    json_object_foreach(json_array_get(layers, 0), key, value)
+    bool known;
+    if (!json_is_object(layer)) return bad(r, "layers", "an array of objects");
+    json_object_foreach(layer, key, value)
     {
-        if (!layer_key(r, key, value)) return false;
+        if (!set_key(r, job, CLI_OF_LAYER, key, value, &known)) return false;
+        if (!known) {
+            cli_error("%s: unknown key \"%s\" in a layer", r->path, key);
+            return false;
+        }
     }
-    const json_t *layer = json_array_get(layers, 0);
     if (json_object_get(layer, "count") && json_object_get(layer, "size"))
         return bad(r, "layers", "count or size, not both");
-    r->apply->job.recipe_cells = true;
+    if (!job->tile) return bad(r, "layers", "a tile in each layer");
+    return job->recipe_cells = true;
+}
+
+static bool get_layers(const reader *r, const json_t *layers)
+{
+    cli_recipe *recipe = r->recipe;
+    size_t n = json_array_size(layers);
+    if (!json_is_array(layers) || n < 1 || n > CLI_MAX_LAYERS) return bad(r, "layers", "an array of 1 to 16 objects");
+    for (size_t i = n; i-- > 0;) { // from the back: the first holds what all begin with
+        recipe->layer[i] = recipe->layer[0];
+        if (!get_layer(r, &recipe->layer[i], json_array_get(layers, i))) return false;
+    }
+    recipe->nlayers = (int)n;
     return true;
 }
 
-static bool get_outputs(const recipe *r, const json_t *outputs)
+static bool get_outputs(const reader *r, const json_t *outputs)
 {
     size_t n = json_array_size(outputs);
     if (!json_is_array(outputs) || n > CLI_MAX_OUTPUTS) return bad(r, "outputs", "an array of at most 16 paths");
     for (size_t i = 0; i < n; i++) {
         const char *path;
-        if (!get_text(r, "outputs", json_array_get(outputs, i), true, &path) ||
-            !cli_add_output(r->apply, in_recipe(r, "outputs").text, path))
+        if (!get_path(r, "outputs", json_array_get(outputs, i), &path) ||
+            !cli_add_output(r->recipe, in_recipe(r, "outputs").text, path))
             return false;
     }
     return true;
 }
 
-static bool top_key(const recipe *r, const char *key, json_t *value)
+// What all layers share.
+static bool top_key(const reader *r, const char *key, json_t *value)
 {
-    cli_apply *a = r->apply;
+    bool known, ok;
     if (strcmp(key, "format") == 0)
         return (json_is_integer(value) && json_integer_value(value) == 1) || bad(r, key, "1");
-    if (strcmp(key, "base") == 0) return get_text(r, key, value, true, &a->job.base);
-    if (strcmp(key, "unit") == 0)
-        return json_is_string(value) ? cli_set_unit(in_recipe(r, key).text, json_string_value(value), &a->job.unit_mm)
-                                     : bad(r, key, "mm, cm, m or in");
-    if (strcmp(key, "layers") == 0) return get_layers(r, value);
+    if (strcmp(key, "base") == 0) return get_path(r, key, value, &r->recipe->layer[0].base);
+    if (strcmp(key, "layers") == 0) return true;
     if (strcmp(key, "outputs") == 0) return get_outputs(r, value);
-    if (strcmp(key, "normal") == 0)
-        return a->job.has_normal = cli_set_normal(
-                   in_recipe(r, key).text, json_is_string(value) ? json_string_value(value) : "", &a->job.options);
-    if (strcmp(key, "normal_tol") == 0) return get_above_zero(r, key, value, &a->job.options.normal_tol);
-    if (strcmp(key, "tol") == 0) return get_length(r, key, value, &a->job.mesh_tol, true);
-    if (strcmp(key, "cells_tol") == 0) return get_length(r, key, value, &a->job.cells_tol, true);
-    if (strcmp(key, "max_degree") == 0) return get_max_degree(r, value);
-    cli_error("%s: unknown key \"%s\"", r->path, key);
-    return false;
+    ok = set_key(r, &r->recipe->layer[0], CLI_OF_RECIPE, key, value, &known);
+    if (!known) cli_error("%s: unknown key \"%s\"", r->path, key);
+    return ok && known;
 }
 
-int cli_read_recipe(cli_apply *apply, const char *path)
+static bool get_all(const reader *r, json_t *root)
+{
+    const char *key;
+    json_t *value;
+    if (!json_is_object(root)) return bad(r, "recipe", "an object");
+    if (!json_object_get(root, "format")) return bad(r, "format", "1");
+    json_object_foreach(root, key, value)
+    {
+        if (!top_key(r, key, value)) return false;
+    }
+    return (r->recipe->layer[0].base || bad(r, "base", "the path of a spline file")) &&
+           get_layers(r, json_object_get(root, "layers"));
+}
+
+int cli_read_recipe(cli_recipe *recipe, const char *path)
 {
     json_error_t error;
     json_t *root = json_load_file(path, JSON_REJECT_DUPLICATES, &error);
@@ -255,21 +213,9 @@ int cli_read_recipe(cli_apply *apply, const char *path)
         cli_error("%s:%d: %s", path, error.line > 0 ? error.line : 1, error.text);
         return EXIT_BAD_INPUT;
     }
-    recipe r = {path, apply};
-    apply->job.base = NULL;
-    bool ok = json_is_object(root) || bad(&r, "recipe", "an object");
-    if (ok && !json_object_get(root, "format")) ok = bad(&r, "format", "1");
-    const char *key;
-    json_t *value;
-    if (ok) json_object_foreach(root, key, value)
-        {
-            if (!top_key(&r, key, value)) {
-                ok = false;
-                break;
-            }
-        }
-    if (ok && !apply->job.base) ok = bad(&r, "base", "the path of a spline file");
-    if (ok && !apply->job.tile) ok = bad(&r, "layers", "a layer with a tile");
+    reader r = {path, recipe};
+    recipe->layer[0].base = NULL;
+    bool ok = get_all(&r, root);
     json_decref(root);
     return ok ? EXIT_OK : EXIT_BAD_INPUT;
 }

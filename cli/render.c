@@ -16,9 +16,11 @@
 
 enum { OUTPUT, WIDTH, HEIGHT, SAMPLES, AZIMUTH, ELEVATION, THREADS, QUIET, HELP };
 static const cli_option options[] = {
-    [OUTPUT] = {"output", 'o', true},   [WIDTH] = {"width", 0, true},     [HEIGHT] = {"height", 0, true},
-    [SAMPLES] = {"samples", 0, true},   [AZIMUTH] = {"azimuth", 0, true}, [ELEVATION] = {"elevation", 0, true},
-    [THREADS] = {"threads", 'j', true}, [QUIET] = {"quiet", 'q', false},  [HELP] = {"help", 'h', false},
+    [OUTPUT] = {"output", 'o', CLI_TEXT},   [WIDTH] = {"width", 0, CLI_TEXT},
+    [HEIGHT] = {"height", 0, CLI_TEXT},     [SAMPLES] = {"samples", 0, CLI_TEXT},
+    [AZIMUTH] = {"azimuth", 0, CLI_TEXT},   [ELEVATION] = {"elevation", 0, CLI_TEXT},
+    [THREADS] = {"threads", 'j', CLI_TEXT}, [QUIET] = {"quiet", 'q', CLI_NOTHING},
+    [HELP] = {"help", 'h', CLI_NOTHING},
 };
 
 typedef struct request {

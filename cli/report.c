@@ -58,8 +58,8 @@ static json_t *range_json(const kn_cells_range *r)
 static json_t *file_bytes(const cli_apply *a, const double *bytes)
 {
     json_t *object = json_object();
-    for (int i = 0; i < a->noutputs; i++) {
-        json_t *key = cli_json_text(a->outputs[i]);
+    for (int i = 0; i < a->recipe.noutputs; i++) {
+        json_t *key = cli_json_text(a->recipe.outputs[i]);
         json_object_set_new(object, json_string_value(key), json_integer((json_int_t)bytes[i]));
         json_decref(key);
     }
@@ -83,8 +83,8 @@ static void print_json(const cli_apply *a, const kn_job_report *r, const double 
 {
     // fit.tolerance: a stand-in and n may each be off by the tolerance in length and in angle, at the tile's height.
     json_t *o = json_object();
-    json_object_set_new(o, "base", cli_json_text(a->job.base));
-    json_object_set_new(o, "tile", cli_json_text(a->job.tile));
+    json_object_set_new(o, "base", cli_json_text(a->recipe.layer[0].base));
+    json_object_set_new(o, "tile", cli_json_text(a->recipe.layer[0].tile));
     json_object_set_new(o, "dry_run", json_boolean(a->dry_run));
     json_object_set_new(o, "surfaces", json_integer(r->nsurfaces));
     json_object_set_new(o, "cells", json_integer((json_int_t)r->cells));
@@ -96,7 +96,7 @@ static void print_json(const cli_apply *a, const kn_job_report *r, const double 
     json_object_set_new(o, "control_points", json_integer((json_int_t)r->control_points));
     json_object_set_new(o, "cell_size", cli_json_number(r->cell_size));
     json_object_set_new(o, "height", cli_json_number(r->height));
-    json_object_set_new(o, "normal", normal_json(&a->job.options, r));
+    json_object_set_new(o, "normal", normal_json(&a->recipe.layer[0].options, r));
     json_object_set_new(o, "fit",
                         json_pack("{s:i,s:o,s:o}", "max_degree", r->max_degree, "tolerance",
                                   cli_json_number(4 * r->normal_tol * fabs(r->height)), "certified_error",
@@ -136,7 +136,7 @@ static void print_text(const cli_apply *a, const kn_job_report *r, const double 
                r->even_instead, r->nparts);
     printf("%zu patches of degree up to (%d,%d), %zu control points, %zu triangles\n", r->patches, r->degree[0],
            r->degree[1], r->control_points, r->triangles);
-    if (a->job.options.direction)
+    if (a->recipe.layer[0].options.direction)
         printf("along the given direction\n");
     else
         printf("unit normal within %.1e in length and %.1e rad%s\n",
@@ -150,16 +150,16 @@ static void print_text(const cli_apply *a, const kn_job_report *r, const double 
     if (!(r->jacobian_lo > 0))
         printf("the shell is not certified free of folds and poles (Jacobian >= %.2g)\n",
                cli_outward(r->jacobian_lo, -1, CLI_TEXT_DIGITS));
-    for (int i = 0; i < a->noutputs; i++)
-        printf("%s%s  %.1f MB\n", a->dry_run ? "would write about " : "", a->outputs[i], bytes[i] / 1e6);
+    for (int i = 0; i < a->recipe.noutputs; i++)
+        printf("%s%s  %.1f MB\n", a->dry_run ? "would write about " : "", a->recipe.outputs[i], bytes[i] / 1e6);
     printf("%.2f s\n", t->read + t->plan + t->run);
 }
 
 void cli_print_apply(const cli_apply *apply, const kn_job_report *report, const double *bytes,
                      const cli_timing *timing, size_t peak_bytes)
 {
-    if (apply->job.json)
+    if (apply->recipe.layer[0].json)
         print_json(apply, report, bytes, timing, peak_bytes);
-    else if (!apply->job.quiet)
+    else if (!apply->recipe.layer[0].quiet)
         print_text(apply, report, bytes, timing);
 }

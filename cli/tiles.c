@@ -6,10 +6,10 @@
 #include <string.h>
 
 enum { CHECK, CELL, JSON, HELP };
-static const cli_option options[] = {[CHECK] = {"check", 0, true},
-                                     [CELL] = {"tile-cell", 0, true},
-                                     [JSON] = {"json", 0, false},
-                                     [HELP] = {"help", 'h', false}};
+static const cli_option options[] = {[CHECK] = {"check", 0, CLI_TEXT},
+                                     [CELL] = {"tile-cell", 0, CLI_TEXT},
+                                     [JSON] = {"json", 0, CLI_NOTHING},
+                                     [HELP] = {"help", 'h', CLI_NOTHING}};
 
 typedef struct request {
     const char *check; // a tile's name or file; NULL: list

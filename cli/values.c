@@ -6,39 +6,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-bool cli_set_rotation(const char *name, double degrees, kn_job_options *job)
-{
-    double turns = degrees / 90.0;
-    if (turns != floor(turns) || fabs(turns) > 1000) {
-        cli_error("%s: tiles turn by multiples of 90 degrees, got %g", name, degrees);
-        return false;
-    }
-    job->quarter_turns = (((int)turns % 4) + 4) % 4;
-    return true;
-}
-
-bool cli_set_max_degree(const char *name, const char *text, kn_job_options *job)
-{
-    static const struct {
-        const char *profile;
-        int degree;
-    } profiles[] = {{"occt", 25}, {"catia", 15}, {"vda", 11}, {"cubic", 3}, {"exact", KN_MAX_DEGREE}};
-    for (size_t i = 0; i < sizeof profiles / sizeof *profiles; i++)
-        if (strcmp(text, profiles[i].profile) == 0) {
-            job->max_degree = profiles[i].degree;
-            return true;
-        }
-    char *end;
-    double degree = strtod(text, &end);
-    if (end != text && *end == '\0' && degree == floor(degree) && degree >= 1 && degree <= KN_MAX_DEGREE) {
-        job->max_degree = (int)degree;
-        return true;
-    }
-    cli_error("%s: expected a number from 1 to %d, or occt (25), catia (15), vda (11), cubic (3) or exact, got '%s'",
-              name, KN_MAX_DEGREE, text);
-    return false;
-}
-
 bool cli_set_cell(const char *name, const char *text, double cell[4])
 {
     int n = cli_list(name, text, cell, 4);
@@ -96,8 +63,7 @@ bool cli_above_zero(const char *name, double value)
     return false;
 }
 
-// The place of text among n names, or -1 after a message.
-static int choice(const char *name, const char *text, const char *const *names, int n, const char *expected)
+int cli_choice(const char *name, const char *text, const char *const *names, int n, const char *expected)
 {
     for (int i = 0; i < n; i++)
         if (strcmp(text, names[i]) == 0) return i;
@@ -105,49 +71,31 @@ static int choice(const char *name, const char *text, const char *const *names, 
     return -1;
 }
 
-bool cli_set_side(const char *name, const char *text, kn_job_options *job)
+bool cli_positive_length(const char *name, const char *text, cli_length *out)
 {
-    static const char *const names[] = {[KN_JOB_ABOVE] = "above", [KN_JOB_BELOW] = "below", [KN_JOB_BOTH] = "both"};
-    int i = choice(name, text, names, 3, "above, below or both");
-    if (i >= 0) job->side = (kn_job_side)i;
-    return i >= 0;
+    return cli_length_of(name, text, out) && cli_above_zero(name, out->value);
 }
 
-bool cli_set_normal(const char *name, const char *text, kn_job_options *job)
+bool cli_length_pair(const char *name, const char *text, cli_length out[2])
 {
-    static const char *const names[] = {
-        [KN_NORMAL_FITTED] = "fitted", [KN_NORMAL_EXACT_DIRECTION] = "exact-direction"};
-    int i = choice(name, text, names, 2, "fitted or exact-direction");
-    if (i >= 0) job->normal = (kn_normal_method)i;
-    return i >= 0;
+    char first[64];
+    const char *comma = strchr(text, ',');
+    size_t length = comma ? (size_t)(comma - text) : strlen(text);
+    snprintf(first, sizeof first, "%.*s", (int)(length < sizeof first ? length : sizeof first - 1), text);
+    return cli_length_of(name, first, &out[0]) && cli_length_of(name, comma ? comma + 1 : first, &out[1]);
 }
 
-bool cli_set_spacing(const char *name, const char *text, kn_job_options *job)
+bool cli_shift_pair(const char *name, const char *text, double out[2])
 {
-    static const char *const names[] = {[KN_CELLS_DEFAULT] = "default",
-                                        [KN_CELLS_UNIFORM] = "uniform",
-                                        [KN_CELLS_EVEN] = "even",
-                                        [KN_CELLS_FREE] = "free"};
-    int i = choice(name, text, names, 4, "default, uniform, even or free");
-    if (i >= 0) job->spacing = (kn_cells_spacing)i;
-    return i >= 0;
+    double pair[2] = {0, 0};
+    if (cli_list(name, text, pair, 2) == 0) return false;
+    memcpy(out, pair, sizeof pair);
+    return true;
 }
 
-bool cli_set_field(const char *name, const char *text, cli_field_kind kind, cli_field *field)
+bool cli_add_output(cli_recipe *recipe, const char *name, const char *path)
 {
-    field->given = true;
-    field->path = cli_has_ending(text, "g2") || cli_has_ending(text, "bpt") ? text : NULL;
-    if (field->path) return true;
-    int n = kind == CLI_FIELD_THICKNESS ? 1 : 3;
-    int got = cli_list(name, text, field->value, n);
-    if (got == n) return cli_field_makes_sense(name, kind, field);
-    if (got > 0) cli_error("%s: expected X,Y,Z or a .g2 file, got '%s'", name, text);
-    return false;
-}
-
-bool cli_add_output(cli_apply *apply, const char *name, const char *path)
-{
-    if (apply->noutputs == CLI_MAX_OUTPUTS) {
+    if (recipe->noutputs == CLI_MAX_OUTPUTS) {
         cli_error("%s: more than %d outputs", name, CLI_MAX_OUTPUTS);
         return false;
     }
@@ -156,11 +104,11 @@ bool cli_add_output(cli_apply *apply, const char *name, const char *path)
         cli_error("%s: no writer for '%s'; endings: %s%s", name, path, cli_writable_endings(), hint);
         return false;
     }
-    for (int i = 0; i < apply->noutputs; i++)
-        if (strcmp(apply->outputs[i], path) == 0) {
+    for (int i = 0; i < recipe->noutputs; i++)
+        if (strcmp(recipe->outputs[i], path) == 0) {
             cli_error("%s: '%s' is given twice", name, path);
             return false;
         }
-    apply->outputs[apply->noutputs++] = path;
+    recipe->outputs[recipe->noutputs++] = path;
     return true;
 }

@@ -9,6 +9,8 @@ packages='gcc g++ clang libclang-rt-14-dev clang-format clang-tidy cppcheck cmak
 # the command: recipes and reports, glTF (with the headers that its own includes), pictures and their legends
 packages="$packages libjansson-dev libtinygltf-dev nlohmann-json3-dev libstb-dev libembree-dev libpng-dev
  libcairo2-dev fonts-dejavu-core"
+# expressions; meshes as tiles
+packages="$packages libmuparser-dev libopenmesh-dev lib3mf-dev"
 # reading STEP back in tests
 packages="$packages libocct-data-exchange-dev libocct-ocaf-dev libocct-modeling-algorithms-dev
  libocct-modeling-data-dev libocct-foundation-dev"

@@ -237,7 +237,7 @@ static void recipes(void **state)
         "{\"format\":1,\"base\":\"x.bpt\"}",
         "{\"format\":1,\"base\":\"x.bpt\",\"layers\":[{\"count\":1}]}",
         "{\"format\":1,\"base\":\"x.bpt\",\"layers\":[{\"tile\":\"bump\",\"count\":2,\"size\":1}]}",
-        "{\"format\":1,\"base\":\"x.bpt\",\"layers\":[{\"tile\":\"bump\",\"rotate\":45}]}",
+        "{\"format\":1,\"base\":\"x.bpt\",\"layers\":[{\"tile\":\"bump\",\"rotate\":\"left\"}]}",
         "{\"format\":1,\"base\":\"x.bpt\",\"layers\":[{\"tile\":\"bump\"}],\"max_degree\":\"vsa\"}",
         "{\"format\":1,\"base\":\"x.bpt\",\"layers\":[{\"tile\":\"bump\"}],\"unit\":\"ft\"}",
         "{\"format\":1,\"base\":\"x.bpt\",\"layers\":[{\"tile\":\"bump\"}],\"outputs\":[\"x.dwg\"]}",

@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: Apache-2.0
+// Options of exactness, for all layers: normals, degrees, tolerances, the unit, and tiles that cross knot lines.
+#include "cli/cli.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { NORMAL, NORMAL_TOL, MAX_DEGREE, TOL, CELLS_TOL, CROSSING, CROSSING_TOL, UNIT, OPTIONS };
+static const cli_option options[OPTIONS] = {
+    [NORMAL] = {"normal", 0, CLI_TEXT},
+    [NORMAL_TOL] = {"normal-tol", 0, CLI_TEXT},
+    [MAX_DEGREE] = {"max-degree", 0, CLI_TEXT},
+    [TOL] = {"tol", 0, CLI_TEXT},
+    [CELLS_TOL] = {"cells-tol", 0, CLI_TEXT},
+    [CROSSING] = {"crossing", 0, CLI_TEXT},
+    [CROSSING_TOL] = {"crossing-tol", 0, CLI_TEXT},
+    [UNIT] = {"unit", 0, CLI_TEXT},
+};
+
+static bool set_max_degree(const char *name, const char *text, kn_job_options *job)
+{
+    static const struct {
+        const char *profile;
+        int degree;
+    } profiles[] = {{"occt", 25}, {"catia", 15}, {"vda", 11}, {"cubic", 3}, {"exact", KN_MAX_DEGREE}};
+    for (size_t i = 0; i < sizeof profiles / sizeof *profiles; i++)
+        if (strcmp(text, profiles[i].profile) == 0) {
+            job->max_degree = profiles[i].degree;
+            return true;
+        }
+    char *end;
+    double degree = strtod(text, &end);
+    if (end != text && *end == '\0' && degree == floor(degree) && degree >= 1 && degree <= KN_MAX_DEGREE) {
+        job->max_degree = (int)degree;
+        return true;
+    }
+    cli_error("%s: expected a number from 1 to %d, or occt (25), catia (15), vda (11), cubic (3) or exact, got '%s'",
+              name, KN_MAX_DEGREE, text);
+    return false;
+}
+
+static bool set_normal(const char *name, const char *text, kn_job_options *job)
+{
+    static const char *const names[] = {
+        [KN_NORMAL_FITTED] = "fitted", [KN_NORMAL_EXACT_DIRECTION] = "exact-direction"};
+    int i = cli_choice(name, text, names, 2, "fitted or exact-direction");
+    if (i >= 0) job->normal = (kn_normal_method)i;
+    return i >= 0;
+}
+
+static bool set_crossing(const char *name, const char *text, kn_job_options *job)
+{
+    static const char *const names[] = {
+        [KN_CROSSING_REFUSE] = "refuse", [KN_CROSSING_TRIM] = "trim", [KN_CROSSING_APPROXIMATE] = "approximate"};
+    int i = cli_choice(name, text, names, 3, "refuse, trim or approximate");
+    if (i >= 0) job->crossing = (kn_job_crossing)i;
+    return i >= 0;
+}
+
+static bool set(cli_job *job, const char *name, int option, const char *text)
+{
+    kn_job_options *o = &job->options;
+    switch (option) {
+    case NORMAL: return set_normal(name, text, o);
+    case NORMAL_TOL: return cli_double(name, text, &o->normal_tol) && cli_above_zero(name, o->normal_tol);
+    case MAX_DEGREE: return set_max_degree(name, text, o);
+    case TOL: return cli_positive_length(name, text, &job->mesh_tol);
+    case CELLS_TOL: return cli_positive_length(name, text, &job->cells_tol);
+    case CROSSING: return set_crossing(name, text, o);
+    case CROSSING_TOL: return cli_positive_length(name, text, &job->crossing_tol);
+    case UNIT: return cli_set_unit(name, text, &job->unit_mm);
+    default: return false;
+    }
+}
+
+const cli_theme cli_exactness_options = {options, OPTIONS, CLI_OF_RECIPE, set};
