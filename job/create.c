@@ -6,7 +6,7 @@
 
 static kn_status check_options(kn_ctx *ctx, const kn_job_options *o)
 {
-    const double numbers[] = {o->size[0], o->size[1], o->normal_tol, o->mesh_tol};
+    const double numbers[] = {o->size[0], o->size[1], o->normal_tol, o->mesh_tol, o->crossing_tol};
     for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++)
         if (!(numbers[i] >= 0.0) || isinf(numbers[i]))
             return kn_fail(ctx, KN_EDOMAIN, "job: sizes and tolerances must be finite and not negative: %g",
@@ -23,37 +23,17 @@ static kn_status check_options(kn_ctx *ctx, const kn_job_options *o)
     return KN_OK;
 }
 
-static kn_status copy_tile(kn_ctx *ctx, kn_tile *out, const kn_tile *tile)
-{
-    kn_tile copy = *tile;
-    copy.parts = kn_alloc_zero(ctx, (size_t)tile->nparts, sizeof *copy.parts);
-    if (!copy.parts) return KN_ENOMEM;
-    kn_status status = KN_OK;
-    for (int p = 0; p < tile->nparts; p++) {
-        const kn_tile_part *from = &tile->parts[p];
-        kn_tile_part *to = &copy.parts[p];
-        *to = *from;
-        to->splines = kn_alloc_zero(ctx, (size_t)from->nsplines, sizeof *to->splines);
-        if (!to->splines) status = KN_ENOMEM;
-        if (status != KN_OK) to->nsplines = 0;
-        for (int s = 0; status == KN_OK && s < from->nsplines; s++)
-            status = kn_spline_copy(ctx, &to->splines[s], &from->splines[s]);
-    }
-    if (status == KN_OK)
-        *out = copy;
-    else
-        kn_tile_clear(ctx, &copy);
-    return status;
-}
-
 static kn_status plan(kn_ctx *ctx, kn_job *job, const kn_spline *surfaces, int nsurfaces, const kn_tile *tile)
 {
     kn_job_bases bases = {0};
-    kn_status status = copy_tile(ctx, &job->tile, tile);
+    kn_status status = kn_tile_copy(ctx, &job->tile, tile);
     if (status == KN_OK) status = kn_tile_rotate(ctx, &job->tile, job->options.quarter_turns);
     if (status == KN_OK) status = kn_job_split(ctx, &bases, job, surfaces, nsurfaces);
     if (status == KN_OK) status = kn_job_decide_sizes(ctx, job, &bases);
     if (status == KN_OK) status = kn_job_make_shells(ctx, job, &bases);
+    if (status == KN_OK) status = kn_job_select_init(ctx, job);
+    if (status == KN_OK) status = kn_job_instances_init(ctx, job);
+    if (status == KN_OK) status = kn_job_vary_init(ctx, job);
     if (status == KN_OK) status = kn_job_plan(ctx, job);
     kn_job_bases_clear(ctx, &bases);
     job->options.thickness = job->options.direction = job->options.attraction = NULL; // the caller's

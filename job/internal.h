@@ -23,7 +23,8 @@ typedef struct kn_job_patch {
     int offset[2];
     bool inside; // u and v of all control points within [0,1]
     double top;  // max |w|
-    kn_bezier d; // of one to three variables
+    bool mirrored; // d runs the other way round than the tile's: outward is -(r x t)
+    kn_bezier d;   // of one to three variables
     double lo[KN_JOB_VARS], hi[KN_JOB_VARS]; // where in the Bezier patch's [0,1]^n it lies
 } kn_job_patch;
 typedef struct kn_job_patches {
@@ -38,12 +39,11 @@ typedef struct kn_job_rect {
 } kn_job_rect;
 
 // One way to compose: which part of the tile, over which box of its cell, with which terms of the piece (degrees and
-// powers of w), to which degree. A leaf of the plan is the number of its key, and a matrix belongs to a
-// key.
+// powers of w), to which degree. A matrix belongs to a key.
 typedef struct kn_job_key {
-    int patch; // of job->patches
+    int patch; // of job->patches, or of the cell's own (kn_job_leaf)
     kn_job_rect rect;
-    uint8_t turn; // quarter turns of it into the cell where it lies (kn_job_place)
+    uint8_t turn; // of it into the cell where it lies (kn_job_place)
     bool whole;   // over the whole cell; else over kn_job_box of the rect
     bool exact;
     uint8_t nterms;
@@ -60,7 +60,9 @@ typedef struct kn_job_partner {
     bool goes_on;  // so do cell lines and normals, and a tile goes on over it (kn_job_match_edges)
 } kn_job_partner;
 
-// A cell, perhaps of another surface than the tile's own, and the quarter turns into its coordinates.
+// A cell, perhaps of another surface than the tile's own, and the way into its coordinates: turn % 4 quarter turns, then,
+// with KN_JOB_FLIP, (u, v, w) -> (u, 1 - v, -w): over an edge at which the normal turns over.
+enum { KN_JOB_FLIP = 4 };
 typedef struct kn_job_place {
     int surface, cell[2], turn;
 } kn_job_place;
@@ -75,17 +77,55 @@ typedef struct kn_job_surface {
     double *lines[2]; // cells + 1 each, in S's parameters
     bool *knot[2];    // whether S is not one polynomial across line i; cells + 1 each
     kn_job_partner partner[4];
+    double box[2][2];   // its lower and upper ends in the origin's domain, which [0,1]^2 stands for
     size_t first_cell;  // in the job's order
     int degree_sum;     // of n: what fits into max_degree
     int tile_degree;    // the largest of the tile's patches
     double jacobian[2]; // bounds
 } kn_job_surface;
 
-// The leaves of a cell: job->leaves[first .. first + count - 1].
-typedef struct kn_job_cell {
+// A set of keys in the order of their first appearance.
+typedef struct kn_job_keys {
+    kn_job_key *list;
+    size_t *uses; // of each key, by cells that share a list
+    size_t count, room;
+    uint32_t *slot; // open addressing: 1 + index, 0 empty; nslots is a power of two
+    size_t nslots;
+} kn_job_keys;
+
+// What a cell asks for, in an order that all cells with the same list share: keys, and the instances they belong to.
+typedef struct kn_job_ref {
+    uint32_t key, instance;
+} kn_job_ref;
+typedef struct kn_job_list {
     size_t first;
     uint32_t count;
-} kn_job_cell;
+    size_t numbers; // coefficients of all its patches, of one component
+    size_t uses;    // cells
+} kn_job_list;
+// A set of lists: refs[first .. first + count - 1] each.
+typedef struct kn_job_lists {
+    kn_job_ref *refs;
+    size_t nrefs, refs_room;
+    kn_job_list *list;
+    size_t count, room;
+    uint32_t *slot;
+    size_t nslots;
+} kn_job_lists;
+
+// Cells of one surface that follow one another, up to the first cell of the next entry, and share one list; or that
+// have their own plans, which are made when they are asked for: then so many that a block holds them.
+#define KN_JOB_OWN UINT32_MAX
+typedef struct kn_job_alike {
+    size_t first_cell;
+    uint32_t list;           // KN_JOB_OWN: none
+    size_t npatches, numbers; // of all these cells where they have their own plans
+} kn_job_alike;
+
+// The same tile placed otherwise (stagger, mirror): a range of job->patches.
+typedef struct kn_job_variant {
+    int first, count;
+} kn_job_variant;
 
 // The centre of a scattered tile, in the coordinates of the cell in which it lies.
 typedef struct kn_job_dart {
@@ -104,15 +144,21 @@ struct kn_job {
     int npatches;
     kn_job_surface *surfaces;
     int nsurfaces;
-    kn_job_key *keys;
-    size_t *uses; // of each key
-    size_t nkeys;
-    uint32_t *leaves;
-    size_t nleaves;
-    kn_job_cell *cells;
+    struct kn_job_varying *varying; // NULL: tiles are the same everywhere
+    kn_job_variant *variants; // [0]: as modelled
+    int nvariants;
     size_t ncells;
-    kn_job_dart *darts; // by cell; NULL: one tile in each
+    // The plan. Memory does not depend on the number of cells: the lists and keys that cells share are limited, and
+    // what does not fit is planned again when it is composed (KN_JOB_OWN).
+    kn_job_keys keys;
+    kn_job_lists lists;
+    kn_job_alike *alike; // nalike + 1 of them: the last one begins at ncells
+    size_t nalike;
+    struct kn_job_tiling *tiling; // shift, stagger, mirror, angle; NULL: none
+    kn_job_dart *darts;           // by cell; NULL: none are scattered
     size_t ndarts;
+    uint64_t *there; // a bit for each cell that is; NULL: all are
+    uint8_t *detail; // of each cell: how often its segments are halved (kn_job_view); NULL: never
 };
 
 // ---- measure.c ----
@@ -230,6 +276,8 @@ typedef struct kn_job_change {
 kn_status kn_job_cut_patches(kn_ctx *ctx, kn_job_patches *out, const kn_tile *tile, const kn_job_options *options,
                              const kn_job_change *change);
 void kn_job_patches_clear(kn_ctx *ctx, kn_job_patches *patches);
+// Where w of the tile lies: [0,1] spans the height.
+double kn_job_place_w(const kn_job_options *options, double w);
 // The largest degree of job->tile's splines, and so of all patches.
 int kn_job_tile_degree(const kn_job *job);
 
@@ -239,7 +287,7 @@ kn_status kn_job_restrict(kn_ctx *ctx, kn_bezier *out, const kn_job_patch *patch
 // A box with dyadic sides around (u, v) of d, hardly larger than it must be.
 void kn_job_box(double lo[2], double hi[2], const kn_bezier *d);
 // The patch of a key in the coordinates of its box, [0,1]^2.
-kn_status kn_job_in_box(kn_ctx *ctx, kn_bezier *out, double lo[2], double hi[2], const kn_job *job,
+kn_status kn_job_in_box(kn_ctx *ctx, kn_bezier *out, double lo[2], double hi[2], const kn_job_patch *patch,
                         const kn_job_key *key);
 
 // ---- pieces.c ----
@@ -260,25 +308,144 @@ kn_status kn_job_pieces_get(kn_ctx *ctx, int *index, kn_job_pieces *pieces, cons
 void kn_job_pieces_clear(kn_ctx *ctx, kn_job_pieces *pieces); // empty, room kept
 void kn_job_pieces_end(kn_ctx *ctx, kn_job_pieces *pieces);
 
+// ---- leaves.c ----
+// One patch, or part of one, that a cell composes.
+typedef struct kn_job_leaf {
+    kn_job_key key;
+    int instance; // of the cell
+    bool own;     // key.patch is one of plan->own, else of job->patches
+    int piece;    // of plan->pieces: D is composed with it in its own cell and box (kn_job_leaf_source). -1: none
+    int shift[2]; // the piece's cell less the cell where D lies (kn_job_cross)
+    bool alone;   // the piece's box is not that of the key: no matrix serves it
+    int part, patch; // of a mesh: kn_patch_id
+    // Filled by kn_job_cross and by kn_job_map_meshes; they belong to the leaf.
+    kn_trim trim;   // what there is of it, in the [0,1]^2 of its rect; empty: all
+    kn_bezier made; // not empty: the output patch itself, approximated: nothing is composed
+    kn_mesh mesh;   // not empty: a mapped part of a mesh, and no patch
+} kn_job_leaf;
+
+// What one cell composes, and with what.
+typedef struct kn_job_cell_plan {
+    const kn_job *job;
+    int surface, cell[2];
+    bool there; // kn_job_has_cell
+    kn_job_leaf *leaves;
+    int count, room;
+    kn_job_patches own;   // patches of instances that are not plain
+    kn_job_pieces pieces; // what the leaves are composed with
+    bool shared;          // all leaves are of job->patches and without trims, meshes and shifts
+    kn_normal_certificate normal; // the worst of the pieces in use
+    double stand_in;
+    double crossing; // kn_job_report.crossing_error
+} kn_job_cell_plan;
+// Appends a leaf, which takes what belongs to *leaf: that is then empty. Sets key's terms from the piece.
+kn_status kn_job_add_leaf(kn_ctx *ctx, kn_job_cell_plan *plan, kn_job_leaf *leaf);
+void kn_job_cell_plan_clear(kn_ctx *ctx, kn_job_cell_plan *plan);
+const kn_job_patch *kn_job_leaf_patch(const kn_job_cell_plan *plan, const kn_job_leaf *leaf);
+void kn_job_leaf_degree(const kn_job_cell_plan *plan, const kn_job_leaf *leaf, int degree[KN_JOB_VARS]);
+// D of a leaf in the coordinates of its piece's box, [0,1]^2, in which the piece is a function.
+kn_status kn_job_leaf_source(kn_ctx *ctx, kn_bezier *out, const kn_job_cell_plan *plan, const kn_job_leaf *leaf);
+
+// ---- plan_cell.c ----
+// Appends the patches of an instance that is not plain: varied, placed and cut.
+kn_status kn_job_cut_own(kn_ctx *ctx, kn_job_patches *out, const kn_job *job, int surface, const int cell[2],
+                         const kn_job_instance *instance);
+// *plan, zero-initialised, = what the cell numbered `index` composes: the same answer whenever it is asked.
+kn_status kn_job_plan_cell(kn_ctx *ctx, kn_job_cell_plan *plan, const kn_job *job, size_t index);
+
 // ---- plan.c ----
-// job->keys, leaves, cells and what the report says of them; patches and surfaces are there.
+// job->keys, lists, alike and what the report says of them; patches and surfaces are there.
 kn_status kn_job_plan(kn_ctx *ctx, kn_job *job);
+// The entry of job->alike that has the cell.
+size_t kn_job_find_alike(const kn_job *job, size_t cell);
 
 // ---- keys.c ----
-// A set of keys in the order of their first appearance.
-typedef struct kn_job_keys {
-    kn_job_key *list;
-    size_t *uses;
-    size_t count, room;
-    uint32_t *slot; // open addressing: 1 + index, 0 empty; nslots is a power of two
-    size_t nslots;
-} kn_job_keys;
 kn_status kn_job_keys_add(kn_ctx *ctx, uint32_t *index, kn_job_keys *keys, const kn_job_key *key);
+bool kn_job_same_key(const kn_job_key *a, const kn_job_key *b);
+// Whether the set has the key; *index where it is.
+bool kn_job_keys_find(uint32_t *index, const kn_job_keys *keys, const kn_job_key *key);
+// ---- lists.c ----
+kn_status kn_job_lists_add(kn_ctx *ctx, uint32_t *index, kn_job_lists *lists, const kn_job_ref *refs, size_t n);
 
+// ---- blocks.c ----
+// Cells of one surface that are composed together: as many as make 2 MiB of coefficients, or one.
+typedef struct kn_job_block {
+    size_t first_cell, ncells, first_patch, npatches, numbers;
+} kn_job_block;
+// A place in the sequence of blocks, which is made as it is asked for; zero: the beginning.
+typedef struct kn_job_cursor {
+    size_t alike, cell, patch;
+} kn_job_cursor;
+bool kn_job_next_block(kn_job_block *out, kn_job_cursor *at, const kn_job *job); // false: there is none
+
+// ======== what others decide of a cell: hooks of the plan ========
+
+// ---- select.c ----
+// Each has a step before the first cell, for tables that all cells need (job->surfaces, patches and shells are
+// there), and one that frees them; any thread calls what lies between.
+kn_status kn_job_select_init(kn_ctx *ctx, kn_job *job);
+void kn_job_select_clear(kn_ctx *ctx, kn_job *job);
+kn_status kn_job_has_cell(kn_ctx *ctx, bool *has, const kn_job *job, int surface, const int cell[2]);
+
+// ---- instances.c ----
+// A tile of a cell. Plain: the patches of a variant, as other cells have them. Otherwise its own: cut anew.
+typedef struct kn_job_instance {
+    int id; // kn_patch_id.instance
+    bool plain;
+    int variant;      // plain: of job->variants
+    double map[3][4]; // where (u, v, w, 1) of the placed tile goes, w in length units; linear part regular
+} kn_job_instance;
+typedef struct kn_job_instance_list {
+    kn_job_instance *list;
+    int count, room;
+} kn_job_instance_list;
+kn_status kn_job_instances_init(kn_ctx *ctx, kn_job *job);
+void kn_job_instances_clear(kn_ctx *ctx, kn_job *job);
+// The tiles of a cell, appended to an empty list.
+kn_status kn_job_instances(kn_ctx *ctx, kn_job_instance_list *out, const kn_job *job, int surface, const int cell[2]);
+kn_status kn_job_add_instance(kn_ctx *ctx, kn_job_instance_list *list, const kn_job_instance *instance);
+
+// ---- vary.c ----
+kn_status kn_job_vary_init(kn_ctx *ctx, kn_job *job);
+void kn_job_vary_clear(kn_ctx *ctx, kn_job *job);
+// Changes an instance by chance, or makes it one of its own (plain = false, map set) because
+// kn_job_vary_patch has something to change in it.
+kn_status kn_job_vary_instance(kn_ctx *ctx, kn_job_instance *instance, const kn_job *job, int surface,
+                               const int cell[2]);
+// Changes the control points of one Bezier patch of the tile, w in length units, before instance->map and before it
+// is cut at cell lines. Asked for every patch of instances that are not plain.
+kn_status kn_job_vary_patch(kn_ctx *ctx, kn_bezier *d, const kn_job *job, int surface, const int cell[2],
+                            const kn_job_instance *instance, int part, int spline, int patch);
+
+// ---- cross.c ----
+// A part of a patch that crosses knot lines of S, however it is cut: *crossed = true with leaves appended (pieces by
+// kn_job_pieces_get, kn_job_add_leaf), or false, and it is bisected further and then refused. leaf: as far as it is
+// known, key.patch, key.rect, own and instance; d: its (u, v, w) in the cell at `place`.
+kn_status kn_job_cross(kn_ctx *ctx, bool *crossed, kn_job_cell_plan *plan, const kn_job_leaf *leaf,
+                       const kn_job_place *place, const kn_bezier *d);
+
+// ---- cross_boxes.c ----
+// Whether S has a knot at a cell line inside its domain, or is closed there: `line` counts from the cell.
+bool kn_job_is_knot(const kn_job_surface *s, const int cell[2], int var, double line);
+
+// ---- variants.c ----
+// Appends the patches of the tile placed by an affine map, as kn_job_instance has it, to job->patches.
+kn_status kn_job_add_variant(kn_ctx *ctx, int *variant, kn_job *job, const double map[3][4]);
+void kn_job_map_patch(kn_bezier *d, const double map[3][4]); // in place
+bool kn_job_map_mirrors(const double map[3][4]);
+
+// ---- meshes.c ----
+// Appends leaves for the mesh parts of one tile of a cell.
+kn_status kn_job_map_meshes(kn_ctx *ctx, kn_job_cell_plan *plan, const kn_job_instance *instance);
+
+// ---- facts.c ----
 // Surface and cell of the cell numbered `index` in the job's order.
 void kn_job_locate(const kn_job *job, size_t index, int *surface, int cell[2]);
-// The degree of the output patch of a key.
-void kn_job_degree(const kn_job *job, const kn_job_key *key, int degree[KN_JOB_VARS]);
+// The degree of the output patch of a key; coefficients of one component; what tessellations cut it into.
+void kn_job_degree(const kn_job_patch *patch, const kn_job_key *key, int degree[KN_JOB_VARS]);
+size_t kn_job_numbers(const int degree[KN_JOB_VARS]);
 void kn_job_segments(const kn_job *job, const kn_job_key *key, int segments[KN_JOB_VARS]);
+size_t kn_job_triangles(int nvars, const int segments[KN_JOB_VARS]);
+size_t kn_job_components(const kn_job_surface *s); // of its patches: 3, or 4 homogeneous ones
 
 #endif

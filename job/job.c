@@ -19,14 +19,22 @@ void kn_job_destroy(kn_ctx *ctx, kn_job *job)
             kn_free(ctx, surface->knot[d]);
         }
     }
+    kn_job_select_clear(ctx, job);
+    kn_job_instances_clear(ctx, job);
+    kn_job_vary_clear(ctx, job);
     kn_tile_clear(ctx, &job->tile);
     kn_free(ctx, job->patches);
     kn_free(ctx, job->surfaces);
-    kn_free(ctx, job->keys);
-    kn_free(ctx, job->uses);
-    kn_free(ctx, job->leaves);
-    kn_free(ctx, job->cells);
-    kn_free(ctx, job->darts);
+    kn_free(ctx, job->variants);
+    kn_free(ctx, job->keys.list);
+    kn_free(ctx, job->keys.uses);
+    kn_free(ctx, job->keys.slot);
+    kn_free(ctx, job->lists.refs);
+    kn_free(ctx, job->lists.list);
+    kn_free(ctx, job->lists.slot);
+    kn_free(ctx, job->alike);
+    kn_free(ctx, job->there);
+    kn_free(ctx, job->detail);
     kn_free(ctx, job);
 }
 
@@ -75,30 +83,69 @@ static bool find_cell(int *surface, int cell[2], const kn_job *job, const kn_pat
     return false;
 }
 
-// The leaf of the cell that id names; NULL: there is none.
-static const kn_job_key *find_leaf(const kn_job *job, int surface, const int at[2], const kn_patch_id *id)
+// The key that id names in a list; false: there is none.
+static bool find_ref(kn_job_key *key, const kn_job *job, const kn_job_list *list, const kn_patch_id *id)
 {
-    const kn_job_surface *s = &job->surfaces[surface];
-    const kn_job_cell *cell = &job->cells[s->first_cell + (size_t)at[0] * (size_t)s->cells[1] + (size_t)at[1]];
     int piece = 0;
-    for (uint32_t i = 0; i < cell->count; i++) {
-        const kn_job_key *key = &job->keys[job->leaves[cell->first + i]];
+    for (size_t i = list->first; i < list->first + list->count; i++) {
+        const kn_job_ref *ref = &job->lists.refs[i];
+        *key = job->keys.list[ref->key];
         const kn_job_patch *p = &job->patches[key->patch];
-        if (p->part == id->part && p->patch == id->patch && piece++ == id->piece) return key;
+        if ((int)ref->instance == id->instance && p->part == id->part && p->patch == id->patch &&
+            piece++ == id->piece)
+            return true;
+    }
+    return false;
+}
+
+static const kn_job_leaf *find_leaf(const kn_job_cell_plan *plan, const kn_patch_id *id)
+{
+    int piece = 0;
+    for (int i = 0; i < plan->count; i++) {
+        const kn_job_leaf *leaf = &plan->leaves[i];
+        if (leaf->mesh.position) continue;
+        const kn_job_patch *p = kn_job_leaf_patch(plan, leaf);
+        if (leaf->instance == id->instance && p->part == id->part && p->patch == id->patch && piece++ == id->piece)
+            return leaf;
     }
     return NULL;
 }
 
+// D of that leaf, and the offset of the cell in whose coordinates it is.
+static kn_status find_source(kn_ctx *ctx, kn_bezier *d, int offset[2], const kn_job *job, size_t cell,
+                             const kn_patch_id *id)
+{
+    const kn_job_alike *alike = &job->alike[kn_job_find_alike(job, cell)];
+    kn_job_cell_plan plan = {0};
+    kn_job_key key = {0};
+    const kn_job_patch *patch = NULL;
+    kn_status status = KN_OK;
+    if (alike->list != KN_JOB_OWN) {
+        if (find_ref(&key, job, &job->lists.list[alike->list], id)) patch = &job->patches[key.patch];
+    } else {
+        status = kn_job_plan_cell(ctx, &plan, job, cell);
+        const kn_job_leaf *leaf = status == KN_OK ? find_leaf(&plan, id) : NULL;
+        if (leaf) patch = kn_job_leaf_patch(&plan, leaf), key = leaf->key;
+    }
+    if (status == KN_OK && !patch) status = kn_fail(ctx, KN_EDOMAIN, "job: no such patch");
+    if (status == KN_OK) {
+        status = kn_job_restrict(ctx, d, patch, key.rect, key.turn);
+        offset[0] = patch->offset[0], offset[1] = patch->offset[1];
+    }
+    kn_job_cell_plan_clear(ctx, &plan);
+    return status;
+}
+
 kn_status kn_job_source(kn_ctx *ctx, kn_bezier *out, kn_patch_place *place, const kn_job *job, const kn_patch_id *id)
 {
-    int surface, cell[2];
-    const kn_job_key *key = find_cell(&surface, cell, job, id) ? find_leaf(job, surface, cell, id) : NULL;
-    if (!key) return kn_fail(ctx, KN_EDOMAIN, "job: no such patch");
-    const kn_job_patch *patch = &job->patches[key->patch];
+    int surface, cell[2], offset[2];
     kn_bezier d = {0};
-    kn_status status = kn_job_restrict(ctx, &d, patch, key->rect, key->turn);
+    if (!find_cell(&surface, cell, job, id)) return kn_fail(ctx, KN_EDOMAIN, "job: no such patch");
+    const kn_job_surface *s = &job->surfaces[surface];
+    size_t index = s->first_cell + (size_t)cell[0] * (size_t)s->cells[1] + (size_t)cell[1];
+    kn_status status = find_source(ctx, &d, offset, job, index, id);
     if (status != KN_OK) return status;
-    kn_job_place at = kn_job_find_place(job, surface, cell, patch->offset);
+    kn_job_place at = kn_job_find_place(job, surface, cell, offset);
     size_t n = kn_bezier_count(&d);
     if (at.surface == surface && at.turn == 0)
         for (size_t c = 0; c < 2; c++) {

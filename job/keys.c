@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A set of keys, and what follows from one.
+// A set of keys.
 #include "job/internal.h"
 
 // The finalizer of SplitMix64.
@@ -29,7 +29,7 @@ static uint64_t kind_of(const kn_job_key *k)
     return (uint64_t)(uint32_t)k->patch << 32 | (uint64_t)k->factor << 16 | (uint64_t)k->nterms << 8 | flags;
 }
 
-static bool same_key(const kn_job_key *a, const kn_job_key *b)
+bool kn_job_same_key(const kn_job_key *a, const kn_job_key *b)
 {
     if (place_of(a) != place_of(b) || kind_of(a) != kind_of(b)) return false;
     for (int t = 0; t < a->nterms; t++)
@@ -45,7 +45,7 @@ static size_t find(const kn_job_keys *keys, const kn_job_key *key)
     size_t at = (size_t)mix(place_of(key) ^ mix(terms));
     for (;; at++) {
         at &= keys->nslots - 1;
-        if (keys->slot[at] == 0 || same_key(key, &keys->list[keys->slot[at] - 1])) return at;
+        if (keys->slot[at] == 0 || kn_job_same_key(key, &keys->list[keys->slot[at] - 1])) return at;
     }
 }
 
@@ -83,24 +83,11 @@ kn_status kn_job_keys_add(kn_ctx *ctx, uint32_t *index, kn_job_keys *keys, const
     return KN_OK;
 }
 
-void kn_job_degree(const kn_job *job, const kn_job_key *key, int degree[KN_JOB_VARS])
+bool kn_job_keys_find(uint32_t *index, const kn_job_keys *keys, const kn_job_key *key)
 {
-    const kn_bezier *tile = &job->patches[key->patch].d;
-    for (int d = 0; d < KN_JOB_VARS; d++) degree[d] = d < tile->nvars ? tile->degree[d] * key->factor : 0;
-}
-
-void kn_job_locate(const kn_job *job, size_t index, int *surface, int cell[2])
-{
-    int lo = 0, hi = job->nsurfaces - 1;
-    while (lo < hi) {
-        int middle = (lo + hi + 1) / 2;
-        if (job->surfaces[middle].first_cell <= index)
-            lo = middle;
-        else
-            hi = middle - 1;
-    }
-    size_t at = index - job->surfaces[lo].first_cell, row = (size_t)job->surfaces[lo].cells[1];
-    *surface = lo;
-    cell[0] = (int)(at / row);
-    cell[1] = (int)(at % row);
+    if (keys->nslots == 0) return false;
+    size_t at = find(keys, key);
+    if (keys->slot[at] == 0) return false;
+    *index = keys->slot[at] - 1;
+    return true;
 }

@@ -202,8 +202,8 @@ static kn_status check_reach(kn_ctx *ctx, const kn_bezier *d)
     return KN_OK;
 }
 
-// w in [0,1] spans the height, on both sides from one end to the other.
-static double place_w(const kn_job_options *o, double w)
+// On both sides from one end to the other.
+double kn_job_place_w(const kn_job_options *o, double w)
 {
     return o->offset + o->height * (o->side == KN_JOB_BOTH ? 2.0 * w - 1.0 : w);
 }
@@ -214,7 +214,7 @@ static kn_status cut_bezier(kn_ctx *ctx, builder *b, kn_bezier *d, const kn_tile
     fragment f = {.hi = {1.0, 1.0, 1.0}};
     size_t n = kn_bezier_count(d);
     double *w = d->coef + 2 * n;
-    for (size_t k = 0; k < n; k++) w[k] = place_w(o, w[k]);
+    for (size_t k = 0; k < n; k++) w[k] = kn_job_place_w(o, w[k]);
     kn_status status = change ? change->apply(ctx, change->user, d, tile, b->part, b->spline, b->patch) : KN_OK;
     if (status != KN_OK) return status;
     snap(d);
@@ -266,7 +266,10 @@ kn_status kn_job_make_patches(kn_ctx *ctx, kn_job *job)
     kn_status status = kn_job_cut_patches(ctx, &made, &job->tile, &job->options, NULL);
     job->patches = made.list;
     job->npatches = made.n;
-    return status;
+    if (status == KN_OK && !(job->variants = kn_alloc(ctx, 1, sizeof *job->variants))) status = KN_ENOMEM;
+    if (status != KN_OK) return status;
+    job->variants[job->nvariants++] = (kn_job_variant){0, made.n};
+    return KN_OK;
 }
 
 int kn_job_tile_degree(const kn_job *job)

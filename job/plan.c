@@ -1,31 +1,42 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which pieces of the shell each cell composes with which parts of the tile.
+// The plan of a job: cells that ask for the same share one list, so that memory depends on how many different ones
+// there are, and not on how many cells.
 #include "job/internal.h"
 #include "kernel/parallel.h"
 
 #include <math.h>
 
-// What one cell needs; made by any thread, merged in order and then forgotten.
-typedef struct cell_plan {
-    kn_job_key *keys;
-    int count, room;
-    kn_normal_certificate normal; // the worst of the pieces in use
-    double stand_in;
-} cell_plan;
+enum {
+    MOST_REFS = 1 << 20, // in all lists, beyond which cells have their own plans
+    MOST_KEYS = 1 << 16,
+    MOST_ALIKE = 1 << 18,
+    MOST_CELLS = 64,       // planned by one thread together
+    OWN_NUMBERS = 1 << 18, // coefficients of cells with their own plans that become one block
+    OWN_CELLS = 4096,
+};
+
+// Plans of cells that follow one another, each of them for `cells` of one surface that are alike.
+typedef struct entry {
+    kn_job_cell_plan plan;
+    size_t first_cell, cells;
+} entry;
+typedef struct bunch {
+    entry *list;
+    size_t count;
+} bunch;
 
 typedef struct planning {
     kn_job *job;
-    kn_job_keys keys;
-    size_t room; // of job->leaves
+    size_t each; // cells of a bunch
+    size_t room; // of job->alike
+    kn_job_ref *refs;
+    size_t refs_room;
 } planning;
 
-// What the recursion over one cell carries along.
-typedef struct cell_work {
-    const kn_job *job;
-    int surface, cell[2]; // the tile's own
-    kn_job_pieces pieces;
-    cell_plan *plan;
-} cell_work;
+static int larger(int a, int b)
+{
+    return a > b ? a : b;
+}
 
 static void worsen(kn_normal_certificate *worst, const kn_normal_certificate *with)
 {
@@ -34,258 +45,216 @@ static void worsen(kn_normal_certificate *worst, const kn_normal_certificate *wi
     worst->certified = worst->certified && with->certified;
 }
 
-static int larger(int a, int b)
-{
-    return a > b ? a : b;
-}
-
-static kn_status add_leaf(kn_ctx *ctx, cell_work *w, int patch, kn_job_rect rect, int turn, bool whole,
-                          const kn_shell_piece *piece)
-{
-    cell_plan *plan = w->plan;
-    if (plan->count == plan->room) {
-        int room = plan->room > 0 ? 2 * plan->room : w->job->npatches;
-        kn_job_key *keys = kn_resize(ctx, plan->keys, (size_t)room, sizeof *keys);
-        if (!keys) return KN_ENOMEM;
-        plan->keys = keys;
-        plan->room = room;
-    }
-    kn_job_key key = {.patch = patch, .rect = rect, .turn = (uint8_t)turn, .whole = whole, .exact = piece->exact};
-    int factor = 1;
-    key.nterms = (uint8_t)piece->nterms;
-    for (int t = 0; t < piece->nterms; t++) {
-        const int *degree = piece->term[t].degree;
-        for (int d = 0; d < 2; d++) key.degree[t][d] = (uint8_t)degree[d];
-        key.power[t] = (uint8_t)piece->power[t];
-        factor = larger(factor, degree[0] + degree[1] + piece->power[t]);
-    }
-    key.factor = (uint8_t)factor;
-    plan->keys[plan->count++] = key;
-    worsen(&plan->normal, &piece->normal);
-    plan->stand_in = fmax(plan->stand_in, piece->deviation * w->job->patches[patch].top);
-    return KN_OK;
-}
-
-// Whether S is not one polynomial over the box: a line strictly inside it at which S has a knot, or the seam of a
-// closed direction. Beyond open ends S's end pieces are extended.
-static bool crosses_knot(const kn_job_surface *s, const int cell[2], const double lo[2], const double hi[2])
-{
-    for (int d = 0; d < 2; d++)
-        for (double line = floor(lo[d]) + 1.0; line < hi[d]; line += 1.0) {
-            int at = cell[d] + (int)line, n = s->cells[d];
-            if (s->closed[d]) at = (at % n + n) % n;
-            if (at < 0 || at > n || (!s->closed[d] && (at == 0 || at == n))) continue;
-            if (s->knot[d][at]) return true;
-        }
-    return false;
-}
-
-static double spread(const kn_bezier *d)
-{
-    double lo[2], hi[2];
-    kn_job_box(lo, hi, d);
-    return (hi[0] - lo[0]) * (hi[0] - lo[0]) + (hi[1] - lo[1]) * (hi[1] - lo[1]);
-}
-
-// The variable whose bisection makes the two boxes smaller together.
-static kn_status choose_cut(kn_ctx *ctx, int *var, const kn_bezier *d, kn_job_rect rect)
-{
-    kn_bezier left = {0}, right = {0};
-    double size[KN_JOB_VARS] = {INFINITY, INFINITY, INFINITY};
-    kn_status status = KN_OK;
-    for (int v = 0; status == KN_OK && v < d->nvars; v++) {
-        if (rect.level[v] == KN_JOB_MAX_DEPTH) continue;
-        status = kn_bezier_subdivide(ctx, &left, &right, d, v, 0.5);
-        if (status == KN_OK) size[v] = spread(&left) + spread(&right);
-    }
-    *var = 0;
-    for (int v = 1; v < d->nvars; v++)
-        if (size[v] < size[*var]) *var = v;
-    kn_bezier_clear(ctx, &left);
-    kn_bezier_clear(ctx, &right);
-    return status;
-}
-
-static kn_status give_up(kn_ctx *ctx, const cell_work *w, int patch, bool crosses)
-{
-    const kn_job_patch *p = &w->job->patches[patch];
-    const char *name = w->job->tile.parts[p->part].name;
-    const kn_job_surface *s = &w->job->surfaces[w->surface];
-    int cell[2] = {s->origin_cell[0] + w->cell[0], s->origin_cell[1] + w->cell[1]};
-    if (crosses)
-        return kn_fail(ctx, KN_EDOMAIN,
-                       "job: patch %d of tile part \"%s\" crosses a knot line of surface %d in cell %d,%d, and not "
-                       "along a parameter line of its own",
-                       p->patch, name, s->origin, cell[0], cell[1]);
-    return kn_fail(ctx, KN_EUNDECIDED,
-                   "job: no normal of low degree within the tolerance for patch %d of tile part \"%s\" in cell %d,%d "
-                   "of surface %d, after %d bisections each way",
-                   p->patch, name, cell[0], cell[1], s->origin, KN_JOB_MAX_DEPTH);
-}
-
-// One part of a patch over the tight box around it, or, where no piece fits there, its halves.
-static kn_status plan_rect(kn_ctx *ctx, cell_work *w, int patch, const kn_job_place *place, kn_job_rect rect)
-{
-    enum { CROSSING_DEPTH = 6 };
-    kn_bezier d = {0};
-    kn_status status = kn_job_restrict(ctx, &d, &w->job->patches[patch], rect, place->turn);
-    if (status != KN_OK) return status;
-    double lo[2], hi[2];
-    kn_job_box(lo, hi, &d);
-    int depth = rect.level[0] + rect.level[1] + rect.level[2], index = 0, var = 0;
-    bool crosses = crosses_knot(&w->job->surfaces[place->surface], place->cell, lo, hi), fits = false;
-    if (!crosses) {
-        status = kn_job_pieces_get(ctx, &index, &w->pieces, place, lo, hi);
-        fits = status == KN_OK && w->pieces.list[index].fits;
-    }
-    if (status == KN_OK && fits)
-        status = add_leaf(ctx, w, patch, rect, place->turn, false, &w->pieces.list[index].piece);
-    if (status == KN_OK && !fits) {
-        if (depth >= (crosses ? CROSSING_DEPTH : d.nvars * KN_JOB_MAX_DEPTH))
-            status = give_up(ctx, w, patch, crosses);
-        else
-            status = choose_cut(ctx, &var, &d, rect);
-        for (int half = 0; status == KN_OK && half < 2; half++) {
-            kn_job_rect part = rect;
-            part.level[var]++;
-            part.index[var] = (uint16_t)(2 * rect.index[var] + half);
-            status = plan_rect(ctx, w, patch, place, part);
-        }
-    }
-    kn_bezier_clear(ctx, &d);
-    return status;
-}
-
-static kn_status plan_patch(kn_ctx *ctx, cell_work *w, int patch)
-{
-    static const double zero[2] = {0.0, 0.0}, one[2] = {1.0, 1.0};
-    const kn_job_patch *p = &w->job->patches[patch];
-    kn_job_place place = kn_job_find_place(w->job, w->surface, w->cell, p->offset);
-    kn_job_rect all = {.level = {0}};
-    if (p->inside) {
-        int index;
-        kn_status status = kn_job_pieces_get(ctx, &index, &w->pieces, &place, zero, one);
-        if (status != KN_OK) return status;
-        if (w->pieces.list[index].fits)
-            return add_leaf(ctx, w, patch, all, place.turn, true, &w->pieces.list[index].piece);
-    }
-    return plan_rect(ctx, w, patch, &place, all);
-}
-
-static void drop_plan(kn_ctx *ctx, void *user, void *made)
+static void drop_bunch(kn_ctx *ctx, void *user, void *made)
 {
     (void)user;
-    cell_plan *plan = made;
-    kn_free(ctx, plan->keys);
-    kn_free(ctx, plan);
+    bunch *b = made;
+    for (size_t i = 0; i < b->count; i++) kn_job_cell_plan_clear(ctx, &b->list[i].plan);
+    kn_free(ctx, b->list);
+    kn_free(ctx, b);
 }
 
-static kn_status plan_cell(kn_ctx *ctx, void *user, size_t index, void **out)
+static bool alike(const kn_job_cell_plan *a, const kn_job_cell_plan *b)
+{
+    if (!a->shared || !b->shared || a->surface != b->surface || a->there != b->there || a->count != b->count)
+        return false;
+    for (int i = 0; i < a->count; i++)
+        if (a->leaves[i].instance != b->leaves[i].instance || !kn_job_same_key(&a->leaves[i].key, &b->leaves[i].key))
+            return false;
+    return true;
+}
+
+// A plan like the one before it is counted there.
+static void keep(kn_ctx *ctx, bunch *b, kn_job_cell_plan *plan, size_t cell)
+{
+    entry *last = b->count > 0 ? &b->list[b->count - 1] : NULL;
+    kn_job_pieces_end(ctx, &plan->pieces);
+    if (!last || !alike(&last->plan, plan)) {
+        b->list[b->count++] = (entry){*plan, cell, 1};
+        return;
+    }
+    worsen(&last->plan.normal, &plan->normal);
+    last->plan.stand_in = fmax(last->plan.stand_in, plan->stand_in);
+    last->plan.crossing = fmax(last->plan.crossing, plan->crossing);
+    last->cells++;
+    kn_job_cell_plan_clear(ctx, plan);
+}
+
+static kn_status plan_bunch(kn_ctx *ctx, void *user, size_t index, void **out)
 {
     const planning *p = user;
-    cell_plan *plan = kn_alloc_zero(ctx, 1, sizeof *plan);
-    if (!plan) return KN_ENOMEM;
-    cell_work w = {.job = p->job, .plan = plan};
-    kn_job_locate(p->job, index, &w.surface, w.cell);
-    w.pieces.job = p->job;
-    plan->normal.certified = true;
-    kn_status status = KN_OK;
-    for (int k = 0; status == KN_OK && k < p->job->npatches; k++) status = plan_patch(ctx, &w, k);
-    kn_job_pieces_end(ctx, &w.pieces);
+    size_t first = index * p->each, rest = p->job->ncells - first, n = rest < p->each ? rest : p->each;
+    bunch *b = kn_alloc_zero(ctx, 1, sizeof *b);
+    if (!b) return KN_ENOMEM;
+    b->list = kn_alloc_zero(ctx, n, sizeof *b->list);
+    kn_status status = b->list ? KN_OK : KN_ENOMEM;
+    for (size_t i = first; status == KN_OK && i < first + n; i++) {
+        kn_job_cell_plan plan = {0};
+        status = kn_job_plan_cell(ctx, &plan, p->job, i);
+        if (status == KN_OK) keep(ctx, b, &plan, i);
+    }
     if (status == KN_OK)
-        *out = plan;
+        *out = b;
     else
-        drop_plan(ctx, user, plan);
+        drop_bunch(ctx, user, b);
     return status;
+}
+
+// ---- cells that share ----
+
+static kn_status share_list(kn_ctx *ctx, planning *p, uint32_t *list, const entry *e)
+{
+    const kn_job_cell_plan *plan = &e->plan;
+    kn_job *job = p->job;
+    size_t n = (size_t)plan->count, numbers = 0;
+    if (n > p->refs_room) {
+        kn_job_ref *refs = kn_resize(ctx, p->refs, 2 * n, sizeof *refs);
+        if (!refs) return KN_ENOMEM;
+        p->refs = refs;
+        p->refs_room = 2 * n;
+    }
+    kn_status status = KN_OK;
+    for (size_t i = 0; status == KN_OK && i < n; i++) {
+        const kn_job_leaf *leaf = &plan->leaves[i];
+        int degree[KN_JOB_VARS];
+        p->refs[i].instance = (uint32_t)leaf->instance;
+        status = kn_job_keys_add(ctx, &p->refs[i].key, &job->keys, &leaf->key);
+        kn_job_leaf_degree(plan, leaf, degree);
+        numbers += kn_job_numbers(degree);
+    }
+    if (status == KN_OK) status = kn_job_lists_add(ctx, list, &job->lists, p->refs, n);
+    if (status == KN_OK) {
+        job->lists.list[*list].numbers = numbers;
+        job->lists.list[*list].uses += e->cells;
+    }
+    return status;
+}
+
+// ---- cells with plans of their own ----
+
+static void count_leaf(kn_job_report *r, const kn_job *job, int nvars, const kn_job_key *key, const int *degree,
+                       size_t uses)
+{
+    int segments[KN_JOB_VARS];
+    kn_job_segments(job, key, segments);
+    r->patches += uses;
+    r->exact_patches += key->exact ? uses : 0;
+    r->control_points += uses * kn_job_numbers(degree);
+    r->triangles += uses * kn_job_triangles(nvars, segments);
+    for (int d = 0; d < 2; d++) r->degree[d] = larger(r->degree[d], degree[d]);
+}
+
+static void count_own(kn_job *job, kn_job_alike *to, const kn_job_cell_plan *plan)
+{
+    kn_job_report *r = &job->report;
+    size_t ncomp = kn_job_components(&job->surfaces[plan->surface]);
+    for (int i = 0; i < plan->count; i++) {
+        const kn_job_leaf *leaf = &plan->leaves[i];
+        int degree[KN_JOB_VARS] = {0};
+        to->npatches++;
+        if (leaf->mesh.position) {
+            r->patches++;
+            r->triangles += leaf->mesh.ntriangles;
+            continue;
+        }
+        int nvars = leaf->made.coef ? leaf->made.nvars : kn_job_leaf_patch(plan, leaf)->d.nvars;
+        kn_job_leaf_degree(plan, leaf, degree);
+        to->numbers += ncomp * kn_job_numbers(degree);
+        count_leaf(r, job, nvars, &leaf->key, degree, 1);
+    }
 }
 
 // ---- merging ----
 
-static bool same_leaves(const uint32_t *a, const uint32_t *b, size_t n)
+static kn_status merge(kn_ctx *ctx, planning *p, const entry *e)
 {
-    for (size_t i = 0; i < n; i++)
-        if (a[i] != b[i]) return false;
-    return true;
-}
-
-// Appends a cell's leaves; cells like the one before them (the rule, on a regular surface) share its list.
-static kn_status merge_cell(kn_ctx *ctx, planning *m, size_t cell, const cell_plan *plan)
-{
-    kn_job *job = m->job;
-    size_t n = (size_t)plan->count;
-    if (job->nleaves + n > m->room) {
-        size_t room = 2 * m->room > job->nleaves + n ? 2 * m->room : job->nleaves + n;
-        uint32_t *leaves = kn_resize(ctx, job->leaves, room, sizeof *leaves);
-        if (!leaves) return KN_ENOMEM;
-        job->leaves = leaves;
-        m->room = room;
+    const kn_job_cell_plan *plan = &e->plan;
+    kn_job *job = p->job;
+    uint32_t list = KN_JOB_OWN;
+    bool room = job->lists.nrefs < MOST_REFS && job->keys.count < MOST_KEYS && job->nalike < MOST_ALIKE;
+    kn_status status = plan->shared && room ? share_list(ctx, p, &list, e) : KN_OK;
+    if (status != KN_OK) return status;
+    if (job->nalike + 2 > p->room) {
+        size_t more = 2 * p->room + 8;
+        kn_job_alike *alike = kn_resize(ctx, job->alike, more, sizeof *alike);
+        if (!alike) return KN_ENOMEM;
+        job->alike = alike;
+        p->room = more;
     }
-    uint32_t *to = job->leaves + job->nleaves;
-    for (size_t i = 0; i < n; i++) {
-        kn_status status = kn_job_keys_add(ctx, &to[i], &m->keys, &plan->keys[i]);
-        if (status != KN_OK) return status;
-        m->keys.uses[to[i]]++;
+    kn_job_alike *last = job->nalike > 0 ? &job->alike[job->nalike - 1] : NULL;
+    bool goes_on = last && last->list == list && e->first_cell != job->surfaces[plan->surface].first_cell;
+    if (goes_on && list == KN_JOB_OWN)
+        goes_on = last->numbers < OWN_NUMBERS && e->first_cell - last->first_cell < OWN_CELLS;
+    if (!goes_on) {
+        last = &job->alike[job->nalike++];
+        *last = (kn_job_alike){.first_cell = e->first_cell, .list = list};
     }
-    const kn_job_cell *before = cell > 0 ? &job->cells[cell - 1] : NULL;
-    if (before && before->count == n && same_leaves(job->leaves + before->first, to, n)) {
-        job->cells[cell] = *before;
-    } else {
-        job->cells[cell] = (kn_job_cell){job->nleaves, (uint32_t)n};
-        job->nleaves += n;
-    }
+    if (list == KN_JOB_OWN) count_own(job, last, plan);
+    if (plan->there) job->report.cells += e->cells;
     return KN_OK;
 }
 
 static kn_status commit(kn_ctx *ctx, void *user, size_t index, void *made)
 {
+    (void)index;
     planning *p = user;
-    const cell_plan *plan = made;
-    kn_status status = merge_cell(ctx, p, index, plan);
-    worsen(&p->job->report.normal, &plan->normal);
-    p->job->report.stand_in_error = fmax(p->job->report.stand_in_error, plan->stand_in);
-    drop_plan(ctx, user, made);
+    const bunch *b = made;
+    kn_status status = KN_OK;
+    for (size_t i = 0; status == KN_OK && i < b->count; i++) {
+        const kn_job_cell_plan *plan = &b->list[i].plan;
+        status = merge(ctx, p, &b->list[i]);
+        worsen(&p->job->report.normal, &plan->normal);
+        p->job->report.stand_in_error = fmax(p->job->report.stand_in_error, plan->stand_in);
+        p->job->report.crossing_error = fmax(p->job->report.crossing_error, plan->crossing);
+    }
+    drop_bunch(ctx, user, made);
     return status;
 }
 
-void kn_job_segments(const kn_job *job, const kn_job_key *key, int segments[KN_JOB_VARS])
+// ---- the whole ----
+
+static void count_shared(kn_job *job)
 {
-    for (int d = 0; d < KN_JOB_VARS; d++) segments[d] = larger(job->segments >> key->rect.level[d], 1);
+    for (size_t l = 0; l < job->lists.count; l++) {
+        const kn_job_list *list = &job->lists.list[l];
+        for (size_t i = list->first; i < list->first + list->count; i++)
+            job->keys.uses[job->lists.refs[i].key] += list->uses;
+    }
+    for (size_t i = 0; i < job->keys.count; i++) {
+        const kn_job_key *key = &job->keys.list[i];
+        const kn_job_patch *patch = &job->patches[key->patch];
+        int degree[KN_JOB_VARS];
+        kn_job_degree(patch, key, degree);
+        count_leaf(&job->report, job, patch->d.nvars, key, degree, job->keys.uses[i]);
+    }
 }
 
-static void count_all(kn_job *job)
+size_t kn_job_find_alike(const kn_job *job, size_t cell)
 {
-    kn_job_report *r = &job->report;
-    r->cells = job->ncells;
-    for (size_t i = 0; i < job->nkeys; i++) {
-        const kn_job_key *key = &job->keys[i];
-        int degree[KN_JOB_VARS], segments[KN_JOB_VARS], nvars = job->patches[key->patch].d.nvars;
-        kn_job_degree(job, key, degree);
-        kn_job_segments(job, key, segments);
-        r->patches += job->uses[i];
-        if (nvars == 1) r->curves += job->uses[i];
-        if (nvars == 3) r->volumes += job->uses[i];
-        r->exact_patches += key->exact ? job->uses[i] : 0;
-        r->control_points += job->uses[i] * (size_t)(degree[0] + 1) * (size_t)(degree[1] + 1) *
-                             (size_t)(degree[2] + 1);
-        if (nvars == 2) r->triangles += job->uses[i] * 2 * (size_t)segments[0] * (size_t)segments[1];
-        for (int d = 0; d < 2; d++) r->degree[d] = larger(r->degree[d], degree[d]);
+    size_t lo = 0, hi = job->nalike - 1;
+    while (lo < hi) {
+        size_t middle = (lo + hi + 1) / 2;
+        if (job->alike[middle].first_cell <= cell)
+            lo = middle;
+        else
+            hi = middle - 1;
     }
+    return lo;
 }
 
 kn_status kn_job_plan(kn_ctx *ctx, kn_job *job)
 {
-    enum { AHEAD = 64 }; // for each thread: cells differ much in what they cost
-    planning p = {.job = job};
-    const kn_pipeline pipeline = {&p, plan_cell, commit, drop_plan};
-    job->cells = kn_alloc_zero(ctx, job->ncells, sizeof *job->cells);
+    enum { AHEAD = 8 };
+    size_t threads = (size_t)kn_ctx_threads(ctx), each = job->ncells / (4 * AHEAD * threads);
+    each = each < 1 ? 1 : each > MOST_CELLS ? MOST_CELLS : each;
+    planning p = {.job = job, .each = each};
+    const kn_pipeline pipeline = {&p, plan_bunch, commit, drop_bunch};
     job->report.normal = (kn_normal_certificate){.certified = true};
-    kn_status status = job->cells ? KN_OK : KN_ENOMEM;
-    size_t ahead = AHEAD * (size_t)kn_ctx_threads(ctx);
-    if (status == KN_OK) status = kn_pipeline_run(ctx, &pipeline, job->ncells, ahead, "plan");
-    job->keys = p.keys.list;
-    job->uses = p.keys.uses;
-    job->nkeys = p.keys.count;
-    kn_free(ctx, p.keys.slot);
-    if (status == KN_OK) count_all(job);
-    return status;
+    job->report.cells = 0;
+    kn_status status = kn_pipeline_run(ctx, &pipeline, (job->ncells + each - 1) / each, AHEAD * threads, "plan");
+    kn_free(ctx, p.refs);
+    if (status != KN_OK) return status;
+    job->alike[job->nalike] = (kn_job_alike){.first_cell = job->ncells};
+    count_shared(job);
+    return KN_OK;
 }

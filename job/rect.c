@@ -58,11 +58,11 @@ void kn_job_box(double lo[2], double hi[2], const kn_bezier *d)
     }
 }
 
-kn_status kn_job_in_box(kn_ctx *ctx, kn_bezier *out, double lo[2], double hi[2], const kn_job *job,
+kn_status kn_job_in_box(kn_ctx *ctx, kn_bezier *out, double lo[2], double hi[2], const kn_job_patch *patch,
                         const kn_job_key *key)
 {
     kn_bezier d = {0};
-    kn_status status = kn_job_restrict(ctx, &d, &job->patches[key->patch], key->rect, key->turn);
+    kn_status status = kn_job_restrict(ctx, &d, patch, key->rect, key->turn);
     if (status != KN_OK) return status;
     if (key->whole) {
         for (int c = 0; c < 2; c++) lo[c] = 0.0, hi[c] = 1.0;

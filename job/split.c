@@ -255,6 +255,11 @@ kn_status kn_job_split(kn_ctx *ctx, kn_job_bases *bases, kn_job *job, const kn_s
         for (int v = 0; v < 2; v++) {
             job->surfaces[i].part[v] = b->part[v], job->surfaces[i].parts[v] = b->parts[v];
             job->surfaces[i].count[v] = b->count[v];
+            double end[2], all[2];
+            kn_spline_domain(&bases->faces[i], v, &end[0], &end[1]);
+            kn_spline_domain(&surfaces[b->origin], v, &all[0], &all[1]);
+            for (int e = 0; e < 2; e++)
+                job->surfaces[i].box[e][v] = end[e] == all[1] ? 1.0 : (end[e] - all[0]) / (all[1] - all[0]);
         }
     }
     if (bases->list[0].volume.coef && o->height == 0.0) o->height = 1.0;

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+// The sequence of blocks, from the plan.
+#include "job/internal.h"
+
+enum { BLOCK_NUMBERS = 1 << 18 }; // coefficients of a block's patches, about: 2 MiB, which a second cache holds
+
+// Takes cells of one entry into the block: as many as fill it, or all of those with plans of their own.
+static void take(kn_job_block *b, kn_job_cursor *at, const kn_job *job, size_t ncomp)
+{
+    const kn_job_alike *alike = &job->alike[at->alike];
+    size_t rest = alike[1].first_cell - at->cell, n = rest;
+    if (alike->list == KN_JOB_OWN) {
+        b->npatches += alike->npatches;
+        b->numbers += alike->numbers;
+    } else {
+        const kn_job_list *list = &job->lists.list[alike->list];
+        size_t each = ncomp * list->numbers;
+        if (each > 0) {
+            n = (BLOCK_NUMBERS - b->numbers + each - 1) / each;
+            n = n > rest ? rest : n;
+        }
+        b->npatches += n * list->count;
+        b->numbers += n * each;
+    }
+    b->ncells += n;
+    at->cell += n;
+    if (n == rest) at->alike++;
+}
+
+bool kn_job_next_block(kn_job_block *out, kn_job_cursor *at, const kn_job *job)
+{
+    kn_job_block b = {.first_cell = at->cell, .first_patch = at->patch};
+    int surface = 0, cell[2];
+    size_t end = 0, ncomp = 3;
+    while (at->alike < job->nalike && b.numbers < BLOCK_NUMBERS) {
+        if (at->cell >= end) {
+            if (b.npatches > 0) break; // the next surface begins here
+            b = (kn_job_block){.first_cell = at->cell, .first_patch = at->patch};
+            kn_job_locate(job, at->cell, &surface, cell);
+            const kn_job_surface *s = &job->surfaces[surface];
+            end = s->first_cell + (size_t)s->cells[0] * (size_t)s->cells[1];
+            ncomp = kn_job_components(s);
+        }
+        take(&b, at, job, ncomp);
+    }
+    at->patch += b.npatches;
+    *out = b;
+    return b.npatches > 0;
+}

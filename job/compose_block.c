@@ -1,0 +1,295 @@
+// SPDX-License-Identifier: Apache-2.0
+// Composing the cells of one block.
+#include "job/run.h"
+#include "kernel/gemm.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+typedef struct composer {
+    const kn_job *job;
+    const kn_job_matrix *matrices;
+    int surface, ncomp;
+    kn_job_pieces pieces; // of the current cell
+    const double **rows;  // of these pieces, as many as have been asked for
+    int nrows, rows_room;
+    kn_job_product *product;
+    uint64_t *order;         // key << 32 | patch, for those that a matrix composes
+    const double **operand;  // ncomp rows for each patch, one after the other: where they start
+    size_t norder, at, used; // patches and coefficients made
+    size_t npatches, numbers;
+} composer;
+
+void kn_job_product_clear(kn_ctx *ctx, kn_job_product *p)
+{
+    for (size_t i = 0; i < p->nplans; i++) kn_job_cell_plan_clear(ctx, &p->plans[i]);
+    kn_free(ctx, p->plans);
+    kn_free(ctx, p->patches);
+    kn_free(ctx, p->coef);
+    *p = (kn_job_product){0};
+}
+
+// The control points of a piece, a row of [term 0 | term 1 ..] for each component; in scratch memory.
+static const double *piece_rows(kn_ctx *ctx, const kn_shell_piece *piece, int ncomp)
+{
+    size_t row = 0;
+    for (int t = 0; t < piece->nterms; t++) row += kn_bezier_count(&piece->term[t]);
+    double *rows = kn_scratch(ctx, (size_t)ncomp * row, sizeof *rows), *to = rows;
+    for (size_t c = 0; rows && c < (size_t)ncomp; c++)
+        for (int t = 0; t < piece->nterms; t++) {
+            size_t n = kn_bezier_count(&piece->term[t]);
+            memcpy(to, piece->term[t].coef + c * n, n * sizeof *rows);
+            to += n;
+        }
+    return rows;
+}
+
+static kn_status compose_symbolic(kn_ctx *ctx, const composer *c, const kn_bezier *d, const kn_shell_piece *piece,
+                                  const kn_patch *patch)
+{
+    kn_bezier out = {0};
+    kn_status status = kn_compose_piece(ctx, &out, piece, d);
+    if (status == KN_OK) status = kn_bezier_elevate(ctx, &out, &out, patch->bezier.degree);
+    if (status == KN_OK)
+        memcpy(patch->bezier.coef, out.coef, (size_t)c->ncomp * kn_bezier_count(&out) * sizeof *out.coef);
+    kn_bezier_clear(ctx, &out);
+    return status;
+}
+
+// The next patch of the block, with room for its control points; NULL: the plan is not what it was.
+static kn_patch *next_patch(kn_ctx *ctx, composer *c, const kn_job_patch *from, const kn_job_key *key,
+                            uint32_t instance, const int cell[2], const int degree[KN_JOB_VARS], int nvars)
+{
+    size_t numbers = nvars > 0 ? (size_t)c->ncomp * kn_job_numbers(degree) : 0;
+    if (c->at >= c->npatches || numbers > c->numbers - c->used) {
+        (void)kn_fail(ctx, KN_EUNDECIDED, "job: cell %d,%d is not what it was in the plan", cell[0], cell[1]);
+        return NULL;
+    }
+    const kn_job_surface *s = &c->job->surfaces[c->surface];
+    kn_patch *to = &c->product->patches[c->at++];
+    to->id = (kn_patch_id){.surface = s->origin,
+                           .cell = {s->origin_cell[0] + cell[0], s->origin_cell[1] + cell[1]},
+                           .part = from ? from->part : 0,
+                           .patch = from ? from->patch : 0,
+                           .instance = (int)instance};
+    if (c->at > 1) {
+        const kn_patch_id *before = &c->product->patches[c->at - 2].id;
+        bool same = before->surface == to->id.surface && before->part == to->id.part &&
+                    before->patch == to->id.patch && before->instance == to->id.instance &&
+                    before->cell[0] == to->id.cell[0] && before->cell[1] == to->id.cell[1];
+        to->id.piece = same ? before->piece + 1 : 0;
+    }
+    to->reversed = (c->job->options.height < 0.0) != (from && from->mirrored);
+    to->exact = key->exact;
+    kn_job_segments(c->job, key, to->segments);
+    if (nvars > 0) {
+        to->bezier = (kn_bezier){.nvars = nvars, .ncomp = c->ncomp, .rational = c->ncomp == 4};
+        for (int d = 0; d < nvars; d++) to->bezier.degree[d] = degree[d];
+        to->bezier.coef = c->product->coef + c->used;
+        c->used += numbers;
+    }
+    return to;
+}
+
+// ---- by matrix ----
+
+static kn_status use_matrix(kn_ctx *ctx, composer *c, uint32_t key, int index, const kn_shell_piece *piece)
+{
+    if (index >= c->rows_room) {
+        int room = 2 * index + 16;
+        const double **rows = kn_scratch(ctx, (size_t)room, sizeof *rows);
+        if (!rows) return KN_ENOMEM;
+        if (c->nrows > 0) memcpy(rows, c->rows, (size_t)c->nrows * sizeof *rows);
+        c->rows = rows;
+        c->rows_room = room;
+    }
+    for (; c->nrows <= index; c->nrows++) c->rows[c->nrows] = NULL;
+    if (!c->rows[index]) c->rows[index] = piece_rows(ctx, piece, c->ncomp);
+    if (!c->rows[index]) return KN_ENOMEM;
+    c->operand[c->at - 1] = c->rows[index];
+    c->order[c->norder++] = (uint64_t)key << 32 | (c->at - 1);
+    return KN_OK;
+}
+
+static int compare_order(const void *a, const void *b)
+{
+    uint64_t x = *(const uint64_t *)a, y = *(const uint64_t *)b;
+    return (x > y) - (x < y);
+}
+
+// Patches of one key, one matrix product: a row for each component of each patch.
+static void multiply(const composer *c, const uint64_t *order, size_t n, double **to, const double **from)
+{
+    const kn_job_matrix *m = &c->matrices[order[0] >> 32];
+    size_t ncomp = (size_t)c->ncomp;
+    for (size_t i = 0; i < n; i++) {
+        size_t patch = order[i] & UINT32_MAX;
+        for (size_t k = 0; k < ncomp; k++) {
+            to[i * ncomp + k] = c->product->patches[patch].bezier.coef + k * m->n;
+            from[i * ncomp + k] = c->operand[patch] + k * m->k;
+        }
+    }
+    kn_gemm(to, from, n * ncomp, m->packed, m->k, m->n);
+}
+
+static kn_status multiply_all(kn_ctx *ctx, composer *c)
+{
+    size_t rows = (size_t)c->ncomp * c->norder;
+    double **to = kn_scratch(ctx, rows, sizeof *to);
+    const double **from = kn_scratch(ctx, rows, sizeof *from);
+    if (!to || !from) return KN_ENOMEM;
+    if (c->norder > 0) qsort(c->order, c->norder, sizeof *c->order, compare_order);
+    for (size_t i = 0, n; i < c->norder; i += n) {
+        for (n = 1; i + n < c->norder && c->order[i + n] >> 32 == c->order[i] >> 32;) n++;
+        multiply(c, c->order + i, n, to, from);
+    }
+    return KN_OK;
+}
+
+// ---- cells that share a list ----
+
+// The piece that a leaf asks for: the same call as the plan's, and so the same answer.
+static kn_status leaf_piece(kn_ctx *ctx, composer *c, int *index, const kn_job_key *key, const int cell[2])
+{
+    const kn_job_patch *p = &c->job->patches[key->patch];
+    kn_job_place place = kn_job_find_place(c->job, c->surface, cell, p->offset);
+    double lo[2] = {0.0, 0.0}, hi[2] = {1.0, 1.0};
+    if (!key->whole) {
+        kn_bezier d = {0};
+        kn_status status = kn_job_restrict(ctx, &d, p, key->rect, key->turn);
+        if (status != KN_OK) return status;
+        kn_job_box(lo, hi, &d);
+        kn_bezier_clear(ctx, &d);
+    }
+    return kn_job_pieces_get(ctx, index, &c->pieces, &place, lo, hi);
+}
+
+static kn_status compose_ref(kn_ctx *ctx, composer *c, kn_job_ref ref, const int cell[2])
+{
+    const kn_job_key *key = &c->job->keys.list[ref.key];
+    const kn_job_patch *from = &c->job->patches[key->patch];
+    int degree[KN_JOB_VARS], index = 0;
+    kn_job_degree(from, key, degree);
+    kn_patch *to = next_patch(ctx, c, from, key, ref.instance, cell, degree, from->d.nvars);
+    if (!to) return KN_EUNDECIDED;
+    kn_status status = leaf_piece(ctx, c, &index, key, cell);
+    if (status != KN_OK) return status;
+    const kn_job_piece *p = &c->pieces.list[index];
+    if (!p->fits) return kn_fail(ctx, KN_EUNDECIDED, "job: a piece of the plan no longer fits");
+    if (c->matrices[ref.key].packed) return use_matrix(ctx, c, ref.key, index, &p->piece);
+    kn_bezier d = {0};
+    double lo[2], hi[2];
+    status = kn_job_in_box(ctx, &d, lo, hi, from, key);
+    if (status == KN_OK) status = compose_symbolic(ctx, c, &d, &p->piece, to);
+    kn_bezier_clear(ctx, &d);
+    return status;
+}
+
+static kn_status compose_shared(kn_ctx *ctx, composer *c, const int cell[2], const kn_job_list *list)
+{
+    kn_status status = KN_OK;
+    c->nrows = 0;
+    for (uint32_t i = 0; status == KN_OK && i < list->count; i++)
+        status = compose_ref(ctx, c, c->job->lists.refs[list->first + i], cell);
+    kn_job_pieces_clear(ctx, &c->pieces);
+    return status;
+}
+
+// ---- cells with plans of their own ----
+
+static kn_status compose_leaf(kn_ctx *ctx, composer *c, const kn_job_cell_plan *plan, const kn_job_leaf *leaf)
+{
+    const kn_job_patch *from = leaf->mesh.position ? NULL : kn_job_leaf_patch(plan, leaf);
+    int degree[KN_JOB_VARS] = {0}, nvars = 0;
+    if (from) {
+        kn_job_leaf_degree(plan, leaf, degree);
+        nvars = leaf->made.coef ? leaf->made.nvars : from->d.nvars;
+    }
+    kn_patch *to = next_patch(ctx, c, from, &leaf->key, (uint32_t)leaf->instance, plan->cell, degree, nvars);
+    if (!to) return KN_EUNDECIDED;
+    if (leaf->trim.nloops > 0) to->trim = &leaf->trim;
+    if (leaf->mesh.position) {
+        to->id.part = leaf->part, to->id.patch = leaf->patch;
+        to->mesh = &leaf->mesh;
+        return KN_OK;
+    }
+    if (leaf->made.coef) {
+        memcpy(to->bezier.coef, leaf->made.coef, (size_t)c->ncomp * kn_job_numbers(degree) * sizeof(double));
+        return KN_OK;
+    }
+    const kn_job_piece *piece = &plan->pieces.list[leaf->piece];
+    uint32_t key;
+    if (!leaf->own && !leaf->alone && kn_job_keys_find(&key, &c->job->keys, &leaf->key) && c->matrices[key].packed)
+        return use_matrix(ctx, c, key, leaf->piece, &piece->piece);
+    kn_bezier d = {0};
+    kn_status status = kn_job_leaf_source(ctx, &d, plan, leaf);
+    if (status == KN_OK) status = compose_symbolic(ctx, c, &d, &piece->piece, to);
+    kn_bezier_clear(ctx, &d);
+    return status;
+}
+
+static kn_status compose_own(kn_ctx *ctx, composer *c, size_t index)
+{
+    kn_job_product *p = c->product;
+    if (p->nplans == p->plans_room) {
+        size_t room = 2 * p->plans_room + 8;
+        kn_job_cell_plan *plans = kn_resize(ctx, p->plans, room, sizeof *plans);
+        if (!plans) return KN_ENOMEM;
+        p->plans = plans;
+        p->plans_room = room;
+    }
+    kn_job_cell_plan *plan = &p->plans[p->nplans];
+    kn_status status = kn_job_plan_cell(ctx, plan, c->job, index);
+    if (status != KN_OK) return status;
+    p->nplans++;
+    c->nrows = 0;
+    for (int i = 0; status == KN_OK && i < plan->count; i++) status = compose_leaf(ctx, c, plan, &plan->leaves[i]);
+    kn_job_pieces_end(ctx, &plan->pieces);
+    return status;
+}
+
+// ---- the block ----
+
+static kn_status compose_cells(kn_ctx *ctx, composer *c, const kn_job_block *b)
+{
+    const kn_job *job = c->job;
+    size_t at = kn_job_find_alike(job, b->first_cell);
+    kn_status status = KN_OK;
+    for (size_t i = b->first_cell; status == KN_OK && i < b->first_cell + b->ncells; i++) {
+        while (job->alike[at + 1].first_cell <= i) at++;
+        const kn_job_list *list = job->alike[at].list == KN_JOB_OWN ? NULL : &job->lists.list[job->alike[at].list];
+        int cell[2];
+        if (list && list->count == 0) continue;
+        kn_job_locate(job, i, &c->surface, cell);
+        status = list ? compose_shared(ctx, c, cell, list) : compose_own(ctx, c, i);
+    }
+    if (status == KN_OK && (c->at != c->npatches || c->used != c->numbers))
+        status = kn_fail(ctx, KN_EUNDECIDED, "job: cells are not what they were in the plan");
+    return status;
+}
+
+kn_status kn_job_compose_block(kn_ctx *ctx, kn_job_product *out, const kn_job *job, const kn_job_matrix *matrices,
+                               const kn_job_block *b)
+{
+    kn_job_product p = {.patches = kn_alloc_zero(ctx, b->npatches, sizeof *p.patches)};
+    composer c = {.job = job, .matrices = matrices, .product = &p, .npatches = b->npatches, .numbers = b->numbers};
+    int cell[2];
+    kn_job_locate(job, b->first_cell, &c.surface, cell);
+    c.pieces.job = job;
+    c.ncomp = (int)kn_job_components(&job->surfaces[c.surface]);
+    p.coef = kn_alloc_zero(ctx, b->numbers > 0 ? b->numbers : 1, sizeof *p.coef);
+    kn_mark mark = kn_scratch_mark(ctx);
+    c.order = kn_scratch(ctx, b->npatches, sizeof *c.order);
+    c.operand = kn_scratch(ctx, b->npatches, sizeof *c.operand);
+    kn_status status = p.patches && p.coef && c.order && c.operand ? KN_OK : KN_ENOMEM;
+    if (status == KN_OK) status = compose_cells(ctx, &c, b);
+    if (status == KN_OK) status = multiply_all(ctx, &c);
+    kn_job_pieces_end(ctx, &c.pieces);
+    kn_scratch_release(ctx, mark);
+    p.block = (kn_patch_block){b->first_patch, b->npatches, p.patches};
+    if (status == KN_OK)
+        *out = p;
+    else
+        kn_job_product_clear(ctx, &p);
+    return status;
+}

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: Apache-2.0
+// What follows from a key, a cell or a surface.
+#include "job/internal.h"
+
+void kn_job_degree(const kn_job_patch *patch, const kn_job_key *key, int degree[KN_JOB_VARS])
+{
+    const kn_bezier *tile = &patch->d;
+    for (int d = 0; d < KN_JOB_VARS; d++) degree[d] = d < tile->nvars ? tile->degree[d] * key->factor : 0;
+}
+
+size_t kn_job_numbers(const int degree[KN_JOB_VARS])
+{
+    size_t n = 1;
+    for (int d = 0; d < KN_JOB_VARS; d++) n *= (size_t)degree[d] + 1;
+    return n;
+}
+
+void kn_job_segments(const kn_job *job, const kn_job_key *key, int segments[KN_JOB_VARS])
+{
+    for (int d = 0; d < KN_JOB_VARS; d++) {
+        int n = job->segments >> key->rect.level[d];
+        segments[d] = n > 1 ? n : 1;
+    }
+}
+
+size_t kn_job_triangles(int nvars, const int segments[KN_JOB_VARS])
+{
+    return nvars == 2 ? 2 * (size_t)segments[0] * (size_t)segments[1] : 0;
+}
+
+size_t kn_job_components(const kn_job_surface *s)
+{
+    return kn_shell_surface(s->shell)->rational ? 4 : 3;
+}
+
+void kn_job_locate(const kn_job *job, size_t index, int *surface, int cell[2])
+{
+    int lo = 0, hi = job->nsurfaces - 1;
+    while (lo < hi) {
+        int middle = (lo + hi + 1) / 2;
+        if (job->surfaces[middle].first_cell <= index)
+            lo = middle;
+        else
+            hi = middle - 1;
+    }
+    size_t at = index - job->surfaces[lo].first_cell, row = (size_t)job->surfaces[lo].cells[1];
+    *surface = lo;
+    cell[0] = (int)(at / row);
+    cell[1] = (int)(at % row);
+}

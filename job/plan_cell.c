@@ -1,0 +1,199 @@
+// SPDX-License-Identifier: Apache-2.0
+// Which pieces of the shell one cell composes with which parts of the tile.
+#include "job/internal.h"
+
+#include <math.h>
+
+// Whether S is not one polynomial over the box: a line strictly inside it at which S has a knot, or the seam of a
+// closed direction. Beyond open ends S's end pieces are extended.
+static bool crosses_knot(const kn_job_surface *s, const int cell[2], const double lo[2], const double hi[2])
+{
+    for (int d = 0; d < 2; d++)
+        for (double line = floor(lo[d]) + 1.0; line < hi[d]; line += 1.0)
+            if (kn_job_is_knot(s, cell, d, line)) return true;
+    return false;
+}
+
+static double spread(const kn_bezier *d)
+{
+    double lo[2], hi[2];
+    kn_job_box(lo, hi, d);
+    return (hi[0] - lo[0]) * (hi[0] - lo[0]) + (hi[1] - lo[1]) * (hi[1] - lo[1]);
+}
+
+// The variable whose bisection makes the two boxes smaller together.
+static kn_status choose_cut(kn_ctx *ctx, int *var, const kn_bezier *d, kn_job_rect rect)
+{
+    kn_bezier left = {0}, right = {0};
+    double size[KN_JOB_VARS] = {INFINITY, INFINITY, INFINITY};
+    kn_status status = KN_OK;
+    for (int v = 0; status == KN_OK && v < d->nvars; v++) {
+        if (rect.level[v] == KN_JOB_MAX_DEPTH) continue;
+        status = kn_bezier_subdivide(ctx, &left, &right, d, v, 0.5);
+        if (status == KN_OK) size[v] = spread(&left) + spread(&right);
+    }
+    *var = 0;
+    for (int v = 1; v < d->nvars; v++)
+        if (size[v] < size[*var]) *var = v;
+    kn_bezier_clear(ctx, &left);
+    kn_bezier_clear(ctx, &right);
+    return status;
+}
+
+static kn_status give_up(kn_ctx *ctx, const kn_job_cell_plan *plan, const kn_job_leaf *leaf, bool crosses)
+{
+    const kn_job_patch *p = kn_job_leaf_patch(plan, leaf);
+    const char *name = plan->job->tile.parts[p->part].name;
+    const kn_job_surface *s = &plan->job->surfaces[plan->surface];
+    int cell[2] = {s->origin_cell[0] + plan->cell[0], s->origin_cell[1] + plan->cell[1]};
+    if (crosses)
+        return kn_fail(ctx, KN_EDOMAIN,
+                       "job: patch %d of tile part \"%s\" crosses a knot line of surface %d in cell %d,%d, and not "
+                       "along a parameter line of its own",
+                       p->patch, name, s->origin, cell[0], cell[1]);
+    return kn_fail(ctx, KN_EUNDECIDED,
+                   "job: no normal of low degree within the tolerance for patch %d of tile part \"%s\" in cell %d,%d "
+                   "of surface %d, after %d bisections each way",
+                   p->patch, name, cell[0], cell[1], s->origin, KN_JOB_MAX_DEPTH);
+}
+
+static kn_status plan_rect(kn_ctx *ctx, kn_job_cell_plan *plan, const kn_job_leaf *leaf, const kn_job_place *place);
+
+static kn_status plan_halves(kn_ctx *ctx, kn_job_cell_plan *plan, const kn_job_leaf *leaf, const kn_job_place *place,
+                             int var)
+{
+    kn_status status = KN_OK;
+    for (int half = 0; status == KN_OK && half < 2; half++) {
+        kn_job_leaf part = *leaf;
+        part.key.rect.level[var]++;
+        part.key.rect.index[var] = (uint16_t)(2 * leaf->key.rect.index[var] + half);
+        status = plan_rect(ctx, plan, &part, place);
+    }
+    return status;
+}
+
+// One part of a patch over the tight box around it, or, where no piece fits there, its halves.
+static kn_status plan_rect(kn_ctx *ctx, kn_job_cell_plan *plan, const kn_job_leaf *leaf, const kn_job_place *place)
+{
+    enum { CROSSING_DEPTH = 6 }; // where it is refused: along parameter lines that bisection finds
+    kn_bezier d = {0};
+    const kn_job_rect *rect = &leaf->key.rect;
+    kn_status status = kn_job_restrict(ctx, &d, kn_job_leaf_patch(plan, leaf), *rect, place->turn);
+    if (status != KN_OK) return status;
+    double lo[2], hi[2];
+    kn_job_box(lo, hi, &d);
+    int depth = rect->level[0] + rect->level[1] + rect->level[2], index = 0, var = 0;
+    bool crosses = crosses_knot(&plan->job->surfaces[place->surface], place->cell, lo, hi), done = false;
+    if (crosses) {
+        status = kn_job_cross(ctx, &done, plan, leaf, place, &d);
+    } else {
+        status = kn_job_pieces_get(ctx, &index, &plan->pieces, place, lo, hi);
+        if (status == KN_OK && plan->pieces.list[index].fits) {
+            kn_job_leaf made = *leaf;
+            made.piece = index;
+            status = kn_job_add_leaf(ctx, plan, &made);
+            done = true;
+        }
+    }
+    if (status == KN_OK && !done) {
+        bool refuse = crosses && plan->job->options.crossing == KN_CROSSING_REFUSE && d.nvars > 1;
+        if (depth >= (refuse ? CROSSING_DEPTH : d.nvars * KN_JOB_MAX_DEPTH))
+            status = give_up(ctx, plan, leaf, crosses);
+        else
+            status = choose_cut(ctx, &var, &d, *rect);
+        if (status == KN_OK) status = plan_halves(ctx, plan, leaf, place, var);
+    }
+    kn_bezier_clear(ctx, &d);
+    return status;
+}
+
+static kn_status plan_patch(kn_ctx *ctx, kn_job_cell_plan *plan, int patch, bool own, int instance)
+{
+    static const double zero[2] = {0.0, 0.0}, one[2] = {1.0, 1.0};
+    kn_job_leaf leaf = {.key = {.patch = patch}, .own = own, .instance = instance, .piece = -1};
+    const kn_job_patch *p = kn_job_leaf_patch(plan, &leaf);
+    kn_job_place place = kn_job_find_place(plan->job, plan->surface, plan->cell, p->offset);
+    leaf.key.turn = (uint8_t)place.turn;
+    if (p->inside) {
+        int index;
+        kn_status status = kn_job_pieces_get(ctx, &index, &plan->pieces, &place, zero, one);
+        if (status != KN_OK) return status;
+        if (plan->pieces.list[index].fits) {
+            leaf.key.whole = true;
+            leaf.piece = index;
+            return kn_job_add_leaf(ctx, plan, &leaf);
+        }
+    }
+    return plan_rect(ctx, plan, &leaf, &place);
+}
+
+// ---- instances of their own ----
+
+typedef struct change {
+    const kn_job *job;
+    int surface;
+    const int *cell;
+    const kn_job_instance *instance;
+} change;
+
+static kn_status change_patch(kn_ctx *ctx, void *user, kn_bezier *d, const kn_tile *tile, int part, int spline,
+                              int patch)
+{
+    (void)tile;
+    const change *c = user;
+    const kn_job_instance *instance = c->instance;
+    kn_status status = kn_job_vary_patch(ctx, d, c->job, c->surface, c->cell, instance, part, spline, patch);
+    if (status == KN_OK) kn_job_map_patch(d, instance->map);
+    return status;
+}
+
+kn_status kn_job_cut_own(kn_ctx *ctx, kn_job_patches *out, const kn_job *job, int surface, const int cell[2],
+                         const kn_job_instance *instance)
+{
+    change c = {job, surface, cell, instance};
+    const kn_job_change changes = {&c, change_patch};
+    int first = out->n;
+    kn_status status = kn_job_cut_patches(ctx, out, &job->tile, &job->options, &changes);
+    bool mirrored = kn_job_map_mirrors(instance->map);
+    for (int k = first; status == KN_OK && k < out->n; k++) out->list[k].mirrored = mirrored;
+    return status;
+}
+
+static kn_status plan_own(kn_ctx *ctx, kn_job_cell_plan *plan, const kn_job_instance *instance)
+{
+    int first = plan->own.n;
+    kn_status status = kn_job_cut_own(ctx, &plan->own, plan->job, plan->surface, plan->cell, instance);
+    for (int k = first; status == KN_OK && k < plan->own.n; k++)
+        status = plan_patch(ctx, plan, k, true, instance->id);
+    return status;
+}
+
+static kn_status plan_instance(kn_ctx *ctx, kn_job_cell_plan *plan, kn_job_instance *instance)
+{
+    const kn_job *job = plan->job;
+    kn_status status = kn_job_vary_instance(ctx, instance, job, plan->surface, plan->cell);
+    if (status != KN_OK) return status;
+    if (instance->plain) {
+        const kn_job_variant *v = &job->variants[instance->variant];
+        for (int k = v->first; status == KN_OK && k < v->first + v->count; k++)
+            status = plan_patch(ctx, plan, k, false, instance->id);
+    } else {
+        status = plan_own(ctx, plan, instance);
+    }
+    return status == KN_OK ? kn_job_map_meshes(ctx, plan, instance) : status;
+}
+
+kn_status kn_job_plan_cell(kn_ctx *ctx, kn_job_cell_plan *plan, const kn_job *job, size_t index)
+{
+    kn_job_instance_list instances = {0};
+    *plan = (kn_job_cell_plan){.job = job, .shared = true, .normal = {.certified = true}};
+    kn_job_locate(job, index, &plan->surface, plan->cell);
+    plan->pieces.job = job;
+    kn_status status = kn_job_has_cell(ctx, &plan->there, job, plan->surface, plan->cell);
+    if (status == KN_OK && plan->there) status = kn_job_instances(ctx, &instances, job, plan->surface, plan->cell);
+    for (int i = 0; status == KN_OK && i < instances.count; i++)
+        status = plan_instance(ctx, plan, &instances.list[i]);
+    kn_free(ctx, instances.list);
+    if (status != KN_OK) kn_job_cell_plan_clear(ctx, plan);
+    return status;
+}

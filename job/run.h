@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: Apache-2.0
+// Inside job: what composes the blocks of a run.
+#ifndef JOB_RUN_H
+#define JOB_RUN_H
+
+#include "job/internal.h"
+
+// What composes all patches of a key: [M0 | M1 ..] transposed and packed, k x n. packed NULL: symbolically.
+typedef struct kn_job_matrix {
+    double *packed;
+    size_t k, n;
+} kn_job_matrix;
+
+// ---- matrices.c ----
+// One for each of job->keys, some of them empty. Their memory is limited.
+kn_status kn_job_make_matrices(kn_ctx *ctx, kn_job_matrix **out, const kn_job *job);
+void kn_job_free_matrices(kn_ctx *ctx, const kn_job *job, kn_job_matrix *matrices);
+
+// ---- compose_block.c ----
+// The patches of a block with all that they borrow.
+typedef struct kn_job_product {
+    kn_patch_block block;
+    kn_patch *patches;
+    double *coef;
+    kn_job_cell_plan *plans; // of cells that have their own
+    size_t nplans, plans_room;
+} kn_job_product;
+kn_status kn_job_compose_block(kn_ctx *ctx, kn_job_product *out, const kn_job *job, const kn_job_matrix *matrices,
+                               const kn_job_block *block);
+void kn_job_product_clear(kn_ctx *ctx, kn_job_product *product);
+
+#endif
