@@ -347,6 +347,7 @@ void kn_job_leaf_degree(const kn_job_cell_plan *plan, const kn_job_leaf *leaf, i
 kn_status kn_job_leaf_source(kn_ctx *ctx, kn_bezier *out, const kn_job_cell_plan *plan, const kn_job_leaf *leaf);
 
 // ---- plan_cell.c ----
+typedef struct kn_job_instance kn_job_instance;
 // Appends the patches of an instance that is not plain: varied, placed and cut.
 kn_status kn_job_cut_own(kn_ctx *ctx, kn_job_patches *out, const kn_job *job, int surface, const int cell[2],
                          const kn_job_instance *instance);

@@ -1,0 +1,123 @@
+// SPDX-License-Identifier: Apache-2.0
+// The knot boxes of S that a patch meets, and the pieces of the shell over them.
+#include "job/cross.h"
+
+#include <math.h>
+
+// Composition in the coordinates of a box loses this factor at most where D reaches beyond it: the sum of the Bernstein
+// polynomials' absolute values there.
+#define MOST_GROWTH 4096.0
+
+static void range(double *lo, double *hi, const kn_bezier *d, int c)
+{
+    size_t n = kn_bezier_count(d);
+    const double *x = d->coef + (size_t)c * n;
+    *lo = *hi = x[0];
+    for (size_t i = 1; i < n; i++) {
+        *lo = fmin(*lo, x[i]);
+        *hi = fmax(*hi, x[i]);
+    }
+}
+
+bool kn_job_is_knot(const kn_job_surface *s, const int cell[2], int var, double line)
+{
+    int at = cell[var] + (int)line, n = s->cells[var];
+    if (s->closed[var]) at = (at % n + n) % n;
+    if (at < 0 || at > n || (!s->closed[var] && (at == 0 || at == n))) return false;
+    return s->knot[var][at];
+}
+
+void kn_crossing_init(bool *yes, kn_crossing *x, kn_job_cell_plan *plan, const kn_job_leaf *leaf,
+                      const kn_job_place *place, const kn_bezier *d)
+{
+    const kn_job_surface *s = &plan->job->surfaces[place->surface];
+    double w[2];
+    *x = (kn_crossing){.plan = plan, .leaf = leaf, .place = place, .d = d};
+    *yes = true;
+    for (int c = 0; c < 2; c++) {
+        range(&x->lo[c], &x->hi[c], d, c);
+        for (double line = floor(x->lo[c]) + 1.0; line < x->hi[c]; line += 1.0) {
+            if (!kn_job_is_knot(s, place->cell, c, line)) continue;
+            if (x->n[c] == KN_CROSS_LINES)
+                *yes = false;
+            else
+                x->line[c][x->n[c]++] = line;
+        }
+    }
+    range(&w[0], &w[1], d, 2);
+    x->top = fmax(fabs(w[0]), fabs(w[1]));
+}
+
+// The interval of the box in one variable: all of a cell where the patch meets one cell of the knot box, else sides
+// on multiples of an eighth, between the knots.
+static void interval(double *lo, double *hi, int *shift, const kn_crossing *x, int var, int k)
+{
+    double from = k > 0 ? x->line[var][k - 1] : -INFINITY, to = k < x->n[var] ? x->line[var][k] : INFINITY;
+    double a = fmax(floor(x->lo[var] * 8.0) / 8.0, from), b = fmin(ceil(x->hi[var] * 8.0) / 8.0, to);
+    if (!(b > a)) b = a + 0.125; // D lies on a line of eighths, and on no knot
+    double cell = floor(a);
+    if (b <= cell + 1.0) a = cell, b = cell + 1.0;
+    *shift = (int)cell;
+    *lo = a - cell, *hi = b - cell;
+}
+
+void kn_crossing_map(double origin[2], double width[2], const kn_crossing *x, int i, int j)
+{
+    const kn_job_piece *p = &x->plan->pieces.list[x->piece[i][j]];
+    for (int c = 0; c < 2; c++) {
+        origin[c] = p->lo[c] + x->shift[i][j][c];
+        width[c] = p->hi[c] - p->lo[c];
+    }
+}
+
+static double growth(const kn_crossing *x, int i, int j)
+{
+    const kn_shell_piece *piece = &x->plan->pieces.list[x->piece[i][j]].piece;
+    double origin[2], width[2], most = 1.0;
+    kn_crossing_map(origin, width, x, i, j);
+    for (int t = 0; t < piece->nterms; t++) {
+        double product = 1.0;
+        for (int c = 0; c < 2; c++) {
+            double a = (x->lo[c] - origin[c]) / width[c], b = (x->hi[c] - origin[c]) / width[c];
+            double size = fmax(fabs(a) + fabs(1.0 - a), fabs(b) + fabs(1.0 - b));
+            product *= pow(size, piece->term[t].degree[c]);
+        }
+        most = fmax(most, product);
+    }
+    return most;
+}
+
+// Whether the weight stays positive over all of D, also where it reaches beyond the box.
+static kn_status weight_stays(kn_ctx *ctx, bool *yes, const kn_crossing *x, int i, int j)
+{
+    const kn_shell_piece *piece = &x->plan->pieces.list[x->piece[i][j]].piece;
+    kn_bezier weight = {0};
+    *yes = true;
+    if (!piece->term[0].rational) return KN_OK;
+    double origin[2], width[2], lo, hi, from[2], to[2];
+    kn_crossing_map(origin, width, x, i, j);
+    for (int c = 0; c < 2; c++) {
+        from[c] = (x->lo[c] - origin[c]) / width[c];
+        to[c] = (x->hi[c] - origin[c]) / width[c];
+    }
+    kn_status status = kn_bezier_components(ctx, &weight, &piece->term[0], 3, 1);
+    if (status == KN_OK) status = kn_bezier_box(ctx, &lo, &hi, &weight, from, to);
+    *yes = status == KN_OK && lo > 0.0;
+    kn_bezier_clear(ctx, &weight);
+    return status;
+}
+
+kn_status kn_crossing_piece(kn_ctx *ctx, bool *fits, kn_crossing *x, int i, int j)
+{
+    const int at[2] = {i, j};
+    double lo[2], hi[2];
+    kn_job_place place = *x->place;
+    for (int c = 0; c < 2; c++) {
+        interval(&lo[c], &hi[c], &x->shift[i][j][c], x, c, at[c]);
+        place.cell[c] += x->shift[i][j][c];
+    }
+    kn_status status = kn_job_pieces_get(ctx, &x->piece[i][j], &x->plan->pieces, &place, lo, hi);
+    if (status != KN_OK) return status;
+    *fits = x->plan->pieces.list[x->piece[i][j]].fits && growth(x, i, j) <= MOST_GROWTH;
+    return *fits ? weight_stays(ctx, fits, x, i, j) : KN_OK;
+}

@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: Apache-2.0
+// How far T of two knot boxes differ near the line between them.
+//
+// Along the line itself they agree, as far as S, n and the fields are continuous there. So the coefficients of their
+// difference, over the strip within delta of the line, are as small as delta^(k+1) for a base that is C^k: no
+// derivative is asked for.
+#include "bezier/norm_bound.h"
+#include "job/cross.h"
+#include "kernel/context.h"
+
+#include <math.h>
+
+typedef struct strip {
+    double lo[2], hi[2]; // in the coordinates of the place's cell; exact
+} strip;
+
+// The largest Euclidean norm of components first .. last - 1.
+static double largest(const kn_bezier *b, int first, int last)
+{
+    double most = 0.0;
+    size_t n = kn_bezier_count(b);
+    for (size_t k = 0; k < n; k++) {
+        double square = 0.0;
+        for (int c = first; c < last; c++) square += b->coef[(size_t)c * n + k] * b->coef[(size_t)c * n + k];
+        most = fmax(most, kn_round_up(sqrt(square)));
+    }
+    return most;
+}
+
+// A term over the strip; *wrong: by how much its coefficients may be, relative to the term's largest: where the strip
+// lies (a rounding of each side moves values by 2 p of them), the restriction, and later elevation.
+static kn_status over_strip(kn_ctx *ctx, kn_bezier *out, double *wrong, const kn_crossing *x, int i, int j, int term,
+                            const strip *s)
+{
+    const kn_bezier *t = &x->plan->pieces.list[x->piece[i][j]].piece.term[term];
+    double origin[2], width[2], lo[2], hi[2], grown = 1.0, degree = t->degree[0] + t->degree[1];
+    kn_crossing_map(origin, width, x, i, j);
+    for (int c = 0; c < 2; c++) {
+        lo[c] = (s->lo[c] - origin[c]) / width[c], hi[c] = (s->hi[c] - origin[c]) / width[c];
+        double size = fmax(fabs(lo[c]) + fabs(1.0 - lo[c]), fabs(hi[c]) + fabs(1.0 - hi[c]));
+        grown *= pow(size, t->degree[c]);
+    }
+    kn_bezier view = *t;
+    view.rational = false;
+    *wrong = kn_round_up(kn_gamma_up(5.0 * degree + 4.0 + 8.0 * degree + 2.0 * (degree + 4.0)) * grown * 1.01);
+    return kn_bezier_restrict(ctx, out, &view, lo, hi);
+}
+
+// What the terms of both sides come to, at heights up to top: sums over terms of top^power times ..
+typedef struct sums {
+    double difference, weight_difference; // .. how far they differ; of the weights
+    double value, weight;                 // .. the size of one of them; the least weight
+    double rounding;                      // .. the size of the coefficients that are composed, times their growth
+} sums;
+
+static kn_status add_term(kn_ctx *ctx, sums *s, const kn_crossing *x, const int a[2], const int b[2], int term,
+                          const strip *over)
+{
+    const kn_shell_piece *p = &x->plan->pieces.list[x->piece[a[0]][a[1]]].piece;
+    const kn_shell_piece *q = &x->plan->pieces.list[x->piece[b[0]][b[1]]].piece;
+    kn_bezier left = {0}, right = {0}, d = {0};
+    double wrong[2], scale = pow(x->top, p->power[term]) * (1.0 + 0x1p-40);
+    bool rational = p->term[0].rational;
+    kn_status status = over_strip(ctx, &left, &wrong[0], x, a[0], a[1], term, over);
+    if (status == KN_OK) status = over_strip(ctx, &right, &wrong[1], x, b[0], b[1], term, over);
+    if (status == KN_OK) status = kn_bezier_difference(ctx, &d, &left, &right);
+    if (status == KN_OK) {
+        double off = wrong[0] * largest(&p->term[term], 0, 3) + wrong[1] * largest(&q->term[term], 0, 3);
+        double size = fmax(largest(&left, 0, 3), largest(&right, 0, 3));
+        s->difference += kn_round_up((largest(&d, 0, 3) + off) * scale);
+        s->value += kn_round_up((size + off) * scale);
+        s->rounding += kn_round_up(
+            fmax(largest(&p->term[term], 0, p->term[term].ncomp), largest(&q->term[term], 0, q->term[term].ncomp)) *
+            scale);
+    }
+    if (status == KN_OK && rational && term == 0) {
+        double off = wrong[0] * largest(&p->term[0], 3, 4) + wrong[1] * largest(&q->term[0], 3, 4);
+        size_t n = kn_bezier_count(&left), m = kn_bezier_count(&right);
+        s->weight_difference = kn_round_up(largest(&d, 3, 4) + off);
+        s->weight = INFINITY;
+        for (size_t i = 0; i < n; i++) s->weight = fmin(s->weight, left.coef[3 * n + i] - off);
+        for (size_t i = 0; i < m; i++) s->weight = fmin(s->weight, right.coef[3 * m + i] - off);
+    }
+    kn_bezier_clear(ctx, &left);
+    kn_bezier_clear(ctx, &right);
+    kn_bezier_clear(ctx, &d);
+    return status;
+}
+
+// The rounding of composing and of the products with w, relative to coefficients in absolute values (kn_bezier_compose),
+// which D's reach beyond the box makes larger.
+static double composition(const kn_crossing *x, const kn_shell_piece *piece, const int a[2])
+{
+    double origin[2], width[2], most = 0.0, terms = (x->d->degree[0] + 1.0) * (x->d->degree[1] + 1.0);
+    kn_crossing_map(origin, width, x, a[0], a[1]);
+    for (int t = 0; t < piece->nterms; t++) {
+        double grown = 1.0, p = piece->term[t].degree[0] + piece->term[t].degree[1] + piece->power[t];
+        for (int c = 0; c < 2; c++) {
+            double lo = (x->lo[c] - origin[c]) / width[c], hi = (x->hi[c] - origin[c]) / width[c];
+            double size = fmax(fabs(lo) + fabs(1.0 - lo), fabs(hi) + fabs(1.0 - hi));
+            grown *= pow(size, piece->term[t].degree[c]);
+        }
+        double fold = (piece->term[t].degree[0] + 1.0) * (piece->term[t].degree[1] + 1.0);
+        most = fmax(most, kn_gamma_up(p * (terms + 9.0) + fold + 8.0) * grown);
+    }
+    return kn_round_up(most * 1.01);
+}
+
+kn_status kn_crossing_gap(kn_ctx *ctx, double *gap, const kn_crossing *x, int var, int i, int j, double delta)
+{
+    const int a[2] = {i, j}, b[2] = {i + (var == 0), j + (var == 1)};
+    const kn_shell_piece *p = &x->plan->pieces.list[x->piece[a[0]][a[1]]].piece;
+    const kn_shell_piece *q = &x->plan->pieces.list[x->piece[b[0]][b[1]]].piece;
+    *gap = INFINITY;
+    if (p->nterms != q->nterms || p->term[0].rational != q->term[0].rational) return KN_OK;
+    for (int t = 0; t < p->nterms; t++)
+        if (p->power[t] != q->power[t]) return KN_OK;
+    strip s;
+    int across = 1 - var, k = var == 0 ? j : i;
+    double line = x->line[var][var == 0 ? i : j], margin = 0x1p-7; // what the other variable's cuts may be off
+    s.lo[var] = line - delta, s.hi[var] = line + delta;
+    s.lo[across] = k > 0 ? x->line[across][k - 1] - margin : floor(x->lo[across] * 64.0) / 64.0;
+    s.hi[across] = k < x->n[across] ? x->line[across][k] + margin : ceil(x->hi[across] * 64.0) / 64.0;
+    sums sum = {.weight = 1.0};
+    kn_status status = KN_OK;
+    for (int t = 0; status == KN_OK && t < p->nterms; t++) status = add_term(ctx, &sum, x, a, b, t, &s);
+    if (status != KN_OK || !(sum.weight > 0.0)) return status;
+    double rounding = (composition(x, p, a) + composition(x, q, b)) * sum.rounding;
+    double value = sum.value / sum.weight; // |P/w - Q/v| <= (|P - Q| + |Q/v| |w - v|) / w
+    double moved = sum.difference + value * sum.weight_difference + rounding * (1.0 + value);
+    *gap = kn_round_up(moved / sum.weight);
+    return KN_OK;
+}

@@ -1,0 +1,278 @@
+// SPDX-License-Identifier: Apache-2.0
+// Tiles over knot lines of C0, C1 and C2 bases: trimmed pieces against T(D) in long double, and against each other.
+#include "tests/support/support.h"
+
+#include "tests/support/kinds.h"
+#include "tests/support/scene.h"
+#include "tests/support/surfaces.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+// ---- a sink that keeps patches with their trims ----
+
+typedef struct kept {
+    kn_patch_id id;
+    kn_bezier b;
+    kn_trim trim;
+} kept;
+typedef struct keeper {
+    kept *list;
+    size_t n;
+} keeper;
+
+static kn_status commit(kn_ctx *ctx, void *user, const kn_patch_block *block, void *product)
+{
+    (void)product;
+    keeper *k = user;
+    for (size_t i = 0; i < block->count; i++) {
+        k->list = test_realloc(k->list, (k->n + 1) * sizeof *k->list);
+        kept *to = &k->list[k->n++];
+        *to = (kept){.id = block->patches[i].id};
+        assert_int_equal(kn_bezier_copy(ctx, &to->b, &block->patches[i].bezier), KN_OK);
+        if (block->patches[i].trim) assert_int_equal(kn_trim_copy(ctx, &to->trim, block->patches[i].trim), KN_OK);
+    }
+    return KN_OK;
+}
+
+static void run(kn_ctx *ctx, keeper *k, const kn_job *job)
+{
+    *k = (keeper){0};
+    kn_sink sink = {.user = k, .commit = commit};
+    assert_int_equal(kn_job_run(ctx, job, &sink, 1), KN_OK);
+}
+
+static void keeper_clear(kn_ctx *ctx, keeper *k)
+{
+    for (size_t i = 0; i < k->n; i++) {
+        kn_bezier_clear(ctx, &k->list[i].b);
+        kn_trim_clear(ctx, &k->list[i].trim);
+    }
+    test_free(k->list);
+}
+
+// ---- bases and tiles ----
+
+// Smooth to this order at its knots: 2 and 1 as they come, 0 with control points moved by chance.
+static void make_base(kn_ctx *ctx, kn_spline *s, int smooth, test_rng *rng)
+{
+    if (smooth == 1)
+        make_double_knots(ctx, s);
+    else
+        scene_spline(ctx, s);
+    if (smooth > 0) return;
+    for (int var = 0; var < 2; var++) {
+        double more[16];
+        int n = 0;
+        for (int i = 4; i < s->count[var]; i++)
+            for (int k = 0; k < 2; k++) more[n++] = s->knots[var][i];
+        assert_int_equal(kn_spline_insert_knots(ctx, s, s, var, more, n), KN_OK);
+    }
+    for (size_t i = 0; i < 3 * kn_spline_count(s); i++) s->coef[i] += test_uniform(rng, -0.05, 0.05);
+}
+
+// One patch of degrees 1 to 3, turned and shifted by chance, about `size` cells wide.
+static void random_tile(kn_ctx *ctx, kn_tile *tile, test_rng *rng, double size)
+{
+    const int degree[2] = {test_int(rng, 1, 3), test_int(rng, 1, 3)};
+    kn_bezier b = {0};
+    kn_spline s = {0};
+    double angle = test_uniform(rng, -3.0, 3.0), x = test_uniform(rng, 0.2, 0.8), y = test_uniform(rng, 0.2, 0.8);
+    assert_int_equal(kn_bezier_init(ctx, &b, 2, 3, false, degree), KN_OK);
+    size_t n = kn_bezier_count(&b);
+    for (int i = 0; i <= degree[0]; i++)
+        for (int j = 0; j <= degree[1]; j++) {
+            double p = size * ((double)i / degree[0] - 0.5) + test_uniform(rng, -0.06, 0.06);
+            double q = size * ((double)j / degree[1] - 0.5) + test_uniform(rng, -0.06, 0.06);
+            size_t at = (size_t)(i * (degree[1] + 1) + j);
+            b.coef[at] = x + cos(angle) * p - sin(angle) * q;
+            b.coef[n + at] = y + sin(angle) * p + cos(angle) * q;
+            b.coef[2 * n + at] = test_uniform(rng, 0.0, 1.0);
+        }
+    assert_int_equal(kn_tile_init(ctx, tile, "random", 1), KN_OK);
+    assert_int_equal(kn_spline_of_bezier(ctx, &s, &b), KN_OK);
+    assert_int_equal(kn_tile_add(ctx, tile, 0, &s), KN_OK);
+    kn_spline_clear(ctx, &s);
+    kn_bezier_clear(ctx, &b);
+}
+
+// ---- checks ----
+
+typedef struct scene {
+    kn_ctx *ctx;
+    const kn_job *job;
+    kn_shell_options shell;
+    kn_job_report report;
+    size_t values, seams;
+    double worst, gap;
+} scene;
+
+// How far (u, v) of a cell is from the nearest knot line of S.
+static double from_line(const scene *s, const kn_patch_place *place, const double *uv)
+{
+    double near = INFINITY;
+    const kn_spline *base = kn_shell_surface(kn_job_shell(s->job, place->surface));
+    int cells[2];
+    kn_shell_cells(kn_job_shell(s->job, place->surface), cells);
+    for (int d = 0; d < 2; d++)
+        for (int i = 1; i < cells[d]; i++) {
+            double line = kn_job_lines(s->job, place->surface, d)[i];
+            for (int k = base->degree[d] + 1; k < base->count[d]; k++)
+                if (base->knots[d][k] == line) near = fmin(near, fabs(uv[d] + place->cell[d] - i));
+        }
+    return near;
+}
+
+static double distance(const double *a, const double *b)
+{
+    return sqrt((a[0] - b[0]) * (a[0] - b[0]) + (a[1] - b[1]) * (a[1] - b[1]) + (a[2] - b[2]) * (a[2] - b[2]));
+}
+
+static void evaluate(const scene *s, double p[3], const kept *k, const double at[2])
+{
+    assert_int_equal(kn_bezier_eval(s->ctx, p, &k->b, at), KN_OK);
+}
+
+// A value where the patch is: T(D) to 1e-12, and near a knot line within what the report says.
+static void check_value(scene *s, const kept *k, const kn_bezier *d, const kn_patch_place *place, const double at[2])
+{
+    double p[3], q[3], uvw[3];
+    long double t[3];
+    assert_int_equal(kn_bezier_eval(s->ctx, uvw, d, at), KN_OK);
+    evaluate(s, p, k, at);
+    direct_kind(t, NULL, kn_job_shell(s->job, place->surface), &s->shell,
+                scene_parameter(s->job, place->surface, 0, place->cell[0] + (long double)uvw[0]),
+                scene_parameter(s->job, place->surface, 1, place->cell[1] + (long double)uvw[1]), uvw[2]);
+    for (int c = 0; c < 3; c++) q[c] = (double)t[c];
+    double off = distance(p, q);
+    // 1e-12: the issue's; a trim is never coarser than 2^-8 of a cell (job/cross_trim.c)
+    double allowed = 1e-12 + s->report.stand_in_error;
+    if (from_line(s, place, uvw) <= 0x1p-8) allowed += s->report.crossing_error;
+    if (from_line(s, place, uvw) > 0x1p-8) s->worst = fmax(s->worst, off);
+    assert_true(off <= allowed);
+    s->values++;
+}
+
+static bool same_source(const kn_bezier *a, const kn_bezier *b)
+{
+    size_t n = kn_bezier_count(a);
+    return n == kn_bezier_count(b) && memcmp(a->coef, b->coef, 3 * n * sizeof *a->coef) == 0;
+}
+
+// Dense points of every curve that two pieces of one D share: both surfaces there.
+static void check_seams(scene *s, const kept *a, const kept *b)
+{
+    for (int i = 0; i < a->trim.ncurves; i++)
+        for (int j = 0; j < b->trim.ncurves; j++) {
+            const kn_spline *c = &a->trim.curves[i], *e = &b->trim.curves[j];
+            int n = c->count[0];
+            if (e->count[0] != n || c->coef[0] != e->coef[n - 1] || c->coef[n] != e->coef[2 * n - 1] ||
+                c->coef[n - 1] != e->coef[0] || c->coef[2 * n - 1] != e->coef[n])
+                continue;
+            double lo, hi;
+            kn_spline_domain(c, 0, &lo, &hi);
+            for (int k = 0; k <= 64; k++) {
+                double at[2], p[3], q[3], x = lo + (hi - lo) * k / 64.0;
+                assert_int_equal(kn_spline_eval(s->ctx, at, c, &x), KN_OK);
+                evaluate(s, p, a, at);
+                evaluate(s, q, b, at);
+                s->gap = fmax(s->gap, distance(p, q));
+                assert_true(distance(p, q) <= s->report.crossing_error);
+                s->seams++;
+            }
+        }
+}
+
+// Pieces of one D, first .. last - 1: every point of it is in one of them.
+static void check_pieces(scene *s, const keeper *k, size_t first, size_t last, const kn_bezier *d,
+                         const kn_patch_place *place, test_rng *rng)
+{
+    for (int trial = 0; trial < 20; trial++) {
+        const double at[2] = {test_uniform(rng, 0.0, 1.0), test_uniform(rng, 0.0, 1.0)};
+        int times = 0;
+        bool known = true;
+        for (size_t i = first; i < last; i++) {
+            kn_answer answer;
+            assert_int_equal(kn_trim_contains(s->ctx, &answer, &k->list[i].trim, at), KN_OK);
+            known = known && answer != KN_UNKNOWN;
+            times += answer == KN_YES;
+            if (answer == KN_YES) check_value(s, &k->list[i], d, place, at);
+        }
+        assert_true(times == 1 || !known);
+    }
+    for (size_t i = first; i < last; i++) {
+        if (last - first > 1) assert_int_equal(kn_trim_check(s->ctx, &k->list[i].trim), KN_OK);
+        for (size_t j = i + 1; j < last; j++) check_seams(s, &k->list[i], &k->list[j]);
+    }
+}
+
+static void check_job(scene *s, test_rng *rng)
+{
+    keeper k;
+    run(s->ctx, &k, s->job);
+    s->report = kn_job_describe(s->job);
+    assert_int_equal(k.n, s->report.patches);
+    for (size_t first = 0, last; first < k.n; first = last) {
+        kn_bezier d = {0}, e = {0};
+        kn_patch_place place, other;
+        assert_int_equal(kn_job_source(s->ctx, &d, &place, s->job, &k.list[first].id), KN_OK);
+        for (last = first + 1; last < k.n; last++) {
+            if (k.list[last].id.piece == 0) break;
+            assert_int_equal(kn_job_source(s->ctx, &e, &other, s->job, &k.list[last].id), KN_OK);
+            if (!same_source(&d, &e)) break;
+        }
+        if (d.nvars == 2) check_pieces(s, &k, first, last, &d, &place, rng);
+        kn_bezier_clear(s->ctx, &d);
+        kn_bezier_clear(s->ctx, &e);
+    }
+    keeper_clear(s->ctx, &k);
+}
+
+// A direction along z in the place of n: all pieces are exact, and bases that are C0 are not taken apart.
+static void make_up(kn_ctx *ctx, kn_spline *out)
+{
+    const double ends[2] = {0.0, 1.0}, *const knots[2] = {ends, ends};
+    const int degree[2] = {0, 0}, count[2] = {1, 1};
+    assert_int_equal(kn_spline_init(ctx, out, 2, 3, false, degree, count, knots, (double[]){0.1, 0.0, 1.0}), KN_OK);
+}
+
+static void trimmed(void **state)
+{
+    (void)state;
+    test_memory memory = TEST_MEMORY_INIT;
+    kn_ctx *ctx = test_ctx(&memory, 2);
+    test_rng rng = test_random(5);
+    size_t seams = 0;
+    for (int smooth = 0; smooth <= 2; smooth++)
+        for (int trial = 0; trial < test_scale(3); trial++) {
+            kn_spline base = {0}, up = {0};
+            kn_tile tile = {0};
+            kn_job *job = NULL;
+            make_base(ctx, &base, smooth, &rng);
+            make_up(ctx, &up);
+            random_tile(ctx, &tile, &rng, trial == 2 ? 2.6 : 0.9);
+            const kn_job_options o = {
+                .count = {3, 3}, .height = 0.2, .direction = &up, .crossing = KN_CROSSING_TRIM, .crossing_tol = 1e-3};
+            kn_status made = kn_job_create(ctx, &job, &base, 1, &tile, &o);
+            if (made != KN_OK) print_error("%s\n", kn_ctx_message(ctx));
+            assert_int_equal(made, KN_OK);
+            scene s = {.ctx = ctx, .job = job};
+            check_job(&s, &rng);
+            assert_true(s.report.crossing_error <= 1e-3 && s.report.exact_patches == s.report.patches);
+            assert_true(s.values > 100);
+            printf("# smooth %d: %zu patches, %zu values, worst %.2g, %zu seams, gap %.2g of %.2g\n", smooth,
+                   s.report.patches, s.values, s.worst, s.seams, s.gap, s.report.crossing_error);
+            seams += s.seams;
+            kn_job_destroy(ctx, job);
+            kn_spline_clear(ctx, &base), kn_spline_clear(ctx, &up), kn_tile_clear(ctx, &tile);
+        }
+    assert_true(seams > 1000);
+    test_ctx_end(ctx, &memory);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {cmocka_unit_test(trimmed)};
+    return cmocka_run_group_tests_name("job/cross", tests, NULL, NULL);
+}
