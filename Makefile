@@ -53,7 +53,7 @@ ALL_LDFLAGS = $(OPT) -pthread $(LDFLAGS)
 LIBS := -lm
 
 # ---- optional libraries, all in one place: a header that tells whether it is there, flags, what to link ----
-EXTERNALS := tinygltf embree png cairo occt jansson muparser sisl cmocka flint
+EXTERNALS := tinygltf embree png cairo occt lib3mf jansson muparser openmesh sisl cmocka flint
 HEADER_tinygltf := tiny_gltf.h
 LIBS_tinygltf := -ltinygltf
 HEADER_embree := embree3/rtcore.h
@@ -66,10 +66,15 @@ HEADER_occt := opencascade/Standard_Version.hxx
 CPP_occt := -isystem /usr/include/opencascade
 LIBS_occt := -lTKXDESTEP -lTKXCAF -lTKLCAF -lTKCAF -lTKVCAF -lTKCDF -lTKSTEP -lTKSTEP209 -lTKSTEPAttr -lTKSTEPBase -lTKXSBase \
   -lTKShHealing -lTKBO -lTKTopAlgo -lTKGeomAlgo -lTKBRep -lTKGeomBase -lTKG3d -lTKG2d -lTKMath -lTKernel
+HEADER_lib3mf := lib3mf/Model/COM/NMR_DLLInterfaces.h
+CPP_lib3mf := -isystem /usr/include/lib3mf
+LIBS_lib3mf := -l3MF
 HEADER_jansson := jansson.h
 LIBS_jansson := -ljansson
 HEADER_muparser := muParser.h
 LIBS_muparser := -lmuparser
+HEADER_openmesh := OpenMesh/Core/IO/MeshIO.hh
+LIBS_openmesh := -lOpenMeshCore
 HEADER_sisl := sisl.h
 LIBS_sisl := -lsisl
 HEADER_cmocka := cmocka.h
@@ -125,6 +130,7 @@ $(shell mkdir -p $(B); printf '%s\n' '$(CC) $(CXX) $(ALL_CFLAGS) $(ALL_CXXFLAGS)
 
 $(B)/obj/cli/%.o $(B)/obj/tests/%.o: CPP += $(WITH)
 $(B)/obj/bridges/occt/%.o $(B)/obj/tests/bridges/%.o: CPP += $(CPP_occt)
+$(B)/obj/bridges/lib3mf/%.o: CPP += $(CPP_lib3mf)
 $(B)/obj/%_avx2.c.o: OPT += -mavx2
 $(patsubst %,$(B)/obj/kernel/eval_%.c.o,sse2 vector wide): OPT += -fno-tree-vectorize # they are vectors already
 $(B)/obj/%_avx512.c.o: OPT += -mavx512f -mavx512dq -mavx512vl

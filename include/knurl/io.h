@@ -5,6 +5,7 @@
 
 #include <knurl/job.h>
 #include <knurl/mesh.h>
+#include <knurl/slice.h>
 
 #ifdef __cplusplus
 extern "C" {
@@ -91,6 +92,15 @@ KN_API KN_CHECKED kn_status kn_obj_sink(kn_ctx *ctx, kn_sink *out, const char *p
 
 // Writes nothing. bytes: of the patches' coefficients as doubles.
 KN_API KN_CHECKED kn_status kn_null_sink(kn_ctx *ctx, kn_sink *out);
+
+// One layer as an SVG drawing in millimetres: closed contours filled (nonzero), open ones as thin red lines.
+typedef struct kn_svg_options {
+    double unit_mm; // millimetres in one length unit; 0: 1
+    double box[4];  // x0, y0, x1, y1: the drawing, length units; the same for all layers of one object
+} kn_svg_options;
+// fails: KN_EDOMAIN (options), KN_EIO, KN_ENOMEM: path is whole or as it was before. error: nine digits.
+KN_API KN_CHECKED kn_status kn_write_svg_slice(kn_ctx *ctx, const char *path, const kn_slice *layer,
+                                               const kn_svg_options *options);
 
 #ifdef __cplusplus
 }
