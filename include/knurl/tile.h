@@ -4,6 +4,7 @@
 #define KNURL_TILE_H
 
 #include <knurl/mesh.h>
+#include <knurl/solve.h>
 #include <knurl/spline.h>
 #include <knurl/trim.h>
 
@@ -119,6 +120,14 @@ KN_API KN_CHECKED kn_status kn_tile_cover_faces(kn_ctx *ctx, kn_tile_cover *cove
 // tile is then unchanged. Allocates nothing.
 KN_API KN_CHECKED kn_status kn_tile_rotate(kn_ctx *ctx, kn_tile *tile, int quarter_turns);
 
+// Makes a tile in coordinates of its own one over the unit cell: u and v of the rectangle u0, v0, u1, v1, u0 < u1, v0 <
+// v1, go from 0 to 1, w = height becomes 1, in all that the tile has, its targets too; aspect = height over the
+// rectangle's mean side. Allocates nothing.
+// fails: KN_EDOMAIN the cell, a height that is not positive, a spline without polynomial values (u,v,w); the tile is
+//        then unchanged.
+// error: two roundings a coordinate.
+KN_API KN_CHECKED kn_status kn_tile_set_cell(kn_ctx *ctx, kn_tile *tile, const double cell[4], double height);
+
 // ---- what can be proved of the tiling: the tile in every cell ----
 // The cells are the unit squares of (u,v); a copy of the tile lies in each, moved by whole numbers in u and v.
 
@@ -184,6 +193,41 @@ typedef struct kn_tile_periodicity_report {
 //         criteria to guarantee curvature continuity of blend surfaces, J. Mech. Design 114 (1992).
 KN_API KN_CHECKED kn_status kn_tile_periodicity(kn_ctx *ctx, kn_tile_periodicity_report *report, const kn_tile *tile,
                                                 const kn_tile_periodicity_options *options);
+
+typedef struct kn_tile_rect {
+    double lo[2], hi[2]; // of u and v
+} kn_tile_rect;
+
+typedef struct kn_tile_coverage_options {
+    double tolerance;  // edges within it are one, as in kn_tile_periodicity_options; cracks up to it do not count
+    int depth;         // boxes of 2^-depth are divided no further, 1 .. 16; default 8
+    size_t max_boxes;  // boxes looked at, at most; default 2^17. The rest stays undecided
+} kn_tile_coverage_options;
+KN_API kn_tile_coverage_options kn_tile_coverage_defaults(void);
+
+typedef struct kn_tile_coverage_report {
+    kn_answer covers; // KN_YES: a covering map (definition 3 of the source). KN_NO: a casual one (4): there are gaps
+    double covered, bare; // area of the cell that is certainly covered, certainly not; they sum to 1 less the undecided
+    kn_tile_rect *gaps;   // what is certainly bare: rectangles without common interior, by v and then u
+    size_t ngaps;
+    size_t boxes; // that were looked at; 0: the whole sheet counted at once
+} kn_tile_coverage_report;
+KN_API void kn_tile_coverage_clear(kn_ctx *ctx, kn_tile_coverage_report *report); // NULL is fine
+
+// Whether the tiling, seen along w, covers the cell. Volumes count by their faces, meshes by their triangles, curves
+// not at all, a trimmed surface not at all (it may be bare where it covers).
+// in:     as kn_tile_periodicity.
+// out:    overwritten, not cleared: kn_tile_coverage_clear.
+// fails:  KN_EDOMAIN the tile, the options; KN_ELIMIT as kn_tile_periodicity, or pieces that reach over more than 2^20
+//         cells together; KN_ENOMEM, KN_ECANCELLED. out unchanged.
+// error:  none in what is said to be covered (but for cracks within the tolerance) or bare, rounding included.
+//         Undecided remain boxes along the outlines of gaps that are no lines u or v = k 2^-depth, and where only
+//         patches that stand upright or meet in an outline cover.
+// cost:   a sheet without open edges counts at once: its area with sign is a whole number, how often it covers. Else
+//         boxes are quartered, and for each the parts of patches over it summed up: a box that the boundary of such a
+//         sum does not meet is covered as often as that boundary winds round it.
+KN_API KN_CHECKED kn_status kn_tile_coverage(kn_ctx *ctx, kn_tile_coverage_report *report, const kn_tile *tile,
+                                             const kn_tile_coverage_options *options);
 
 #ifdef __cplusplus
 }
