@@ -15,7 +15,7 @@ import sys
 sys.dont_write_bytecode = True
 from base import GRID, TILES
 
-MODULES = ["mail", "scales", "relief"]
+MODULES = ["mail", "scales", "relief", "hair", "weaves", "grips"]
 
 
 def check(name, part, at_value, at_target, halfway):

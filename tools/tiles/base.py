@@ -52,14 +52,15 @@ def clamped(degree, spans):
     return [0] * (degree + 1) + list(range(1, spans)) + [spans] * (degree + 1)
 
 
-def closed(points, degree=2):
+def closed(points, degree=2, shift=(0, 0, 0)):
     """Clamped control points of the closed curve with these control points, one span for each: the polygon of degree
-    1, or the C1 quadratic, which starts midway between the last and the first."""
+    1, or the C1 quadratic, which starts midway between the last and the first. Each round is moved by shift: with
+    whole cells, a curve that goes on in the next cell."""
     if degree == 1:
-        return list(points) + [points[0]]
+        return list(points) + [add(points[0], shift)]
     assert degree == 2
-    seam = mid(points[-1], points[0])
-    return [seam] + list(points) + [seam]
+    seam = mid(add(points[-1], tuple(-c for c in shift)), points[0])
+    return [seam] + list(points) + [add(seam, shift)]
 
 
 def square(a):
@@ -69,7 +70,8 @@ def square(a):
 
 class Spline:
     """Control points over one, two or three variables, the last fastest; sizes counts them, degree and cyclic say how
-    they are read: integer knots, as smooth as the degree allows, cyclic ones (of degree 1 or 2) without a seam."""
+    they are read: integer knots, as smooth as the degree allows, cyclic ones (of degree 1 or 2) without a seam; instead
+    of True, the cells (u, v, 0) by which a round moves."""
 
     KIND = {1: 100, 2: 200, 3: 700}
 
@@ -102,7 +104,8 @@ class Spline:
         s = self
         for k, d in enumerate(self.degree):
             if self.cyclic[k]:
-                s = s.along(k, lambda line, d=d: closed(line, d))
+                shift = (0, 0, 0) if self.cyclic[k] is True else self.cyclic[k]
+                s = s.along(k, lambda line, d=d, shift=shift: closed(line, d, shift))
         return Spline(s.points, s.sizes, s.degree, [False] * len(s.sizes))
 
     def at(self, *index):

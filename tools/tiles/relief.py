@@ -9,12 +9,19 @@ THORN = [(0.4375, 0, 0.4375, 0), (0.4375, 0, 0.23, 0), (0.46, 0.46, 0.15, 0.35),
 
 
 @tile("thorn", "a smooth sheet out of which one bent thorn grows, leaning towards +u", THORN_ASPECT,
-      {"thorn": ((0.42, 0.28, 0.14), 0.0, 0.4)}, covering=True)
-def thorn():
+      {"thorn": ((0.42, 0.28, 0.14), 0.0, 0.4)}, covering=True,
+      parameters={"bend": (0.0, 0.0, 1.0), "height": (0.25, 0.125, 1.0), "radius": (0.5, 0.25, 1.0)})
+def thorn(bend=1.0, height=1.0, radius=1.0):
+    """bend goes from an upright horn to the bent one; height and radius scale the horn."""
+    def ring(u, z, r, fall):
+        r *= radius
+        f = r / (1 + fall * fall) ** 0.5
+        return [(u, 0.5 - r, z * height), (u + f, 0.5, (z - fall * f) * height), (u, 0.5 + r, z * height),
+                (u - f, 0.5, (z + fall * f) * height)]
     rings = []
-    for u, z, radius, fall in THORN:
-        f = radius / (1 + fall * fall) ** 0.5
-        rings.append([(u, 0.5 - radius, z), (u + f, 0.5, z - fall * f), (u, 0.5 + radius, z), (u - f, 0.5, z + fall * f)])
+    for u, z, r, fall in THORN:
+        upright = ring(THORN[0][0], z, r, 0)
+        rings.append([tuple(a + bend * (b - a) for a, b in zip(p, x)) for p, x in zip(upright, ring(u, z, r, fall))])
     horn = Surface(zip(*rings), cyclic=(True, False)).in_cell(THORN_ASPECT)
     around = horn.clamped()
     corners = [(0, 0), (1, 0), (1, 1), (0, 1)]
@@ -27,14 +34,12 @@ def thorn():
     return {"thorn": [horn] + sheet}
 
 
-KNURL_CREST = 0.0625
-
-
 @tile("knurl", "diamond knurling: pyramids with flattened crests between crossing V grooves", 0.1875,
-      {"knurl": ((0.55, 0.56, 0.58), 1.0, 0.32)}, covering=True)
-def knurl():
-    """Pyramids between two families of V grooves."""
-    c = KNURL_CREST
+      {"knurl": ((0.55, 0.56, 0.58), 1.0, 0.32)}, covering=True,
+      parameters={"crest": (0.25, 0.03125, 0.375)})
+def knurl(crest=0.0625):
+    """Pyramids between two families of V grooves; crest is half the diagonal of their tops."""
+    c = crest
     patches = []
     def patch(p00, p10, p01, p11):
         patches.append(Surface([[p00, p01], [p10, p11]], (1, 1)))
@@ -51,12 +56,13 @@ def knurl():
     return {"knurl": [s.in_cell(1.0) for s in patches]}
 
 
-@tile("bump", "one smooth dome in each cell", 0.25, {"bump": ((0.5, 0.05, 0.03), 0.0, 0.25)}, covering=True)
-def bump():
-    """A dome f(u) f(v), f the C1 quadratic spline with knots 0, 1/4, 3/4, 1 and f = 0 at the border, 1 inside."""
+@tile("bump", "one smooth dome in each cell", 0.25, {"bump": ((0.5, 0.05, 0.03), 0.0, 0.25)}, covering=True,
+      parameters={"height": (0.0, 0.0, 1.0)})
+def bump(height=1.0):
+    """A dome height f(u) f(v), f the C1 quadratic spline with knots 0, 1/4, 3/4, 1 and f = 0 at the border, 1 inside."""
     f = [(0, 0.0), (0.125, 0), (0.25, 0.5), (0.5, 1.5), (0.75, 0.5), (0.875, 0), (1, 0)]
     patches = []
     for i in (0, 2, 4):
         for j in (0, 2, 4):
-            patches.append(Surface([[(u, v, a * b) for v, b in f[j:j + 3]] for u, a in f[i:i + 3]]))
+            patches.append(Surface([[(u, v, height * a * b) for v, b in f[j:j + 3]] for u, a in f[i:i + 3]]))
     return {"bump": [s.in_cell(1.0) for s in patches]}

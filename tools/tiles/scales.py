@@ -4,8 +4,8 @@ from base import Surface, tile
 
 ASPECT = 0.3125
 # Slopes over the aspect, and lengths, are short binary fractions: the joints of a top stay C1 exactly.
-SHAPE = dict(shoulder=0.53125, tip=0.953125, point=0.35, nose=0.03125, thick=0.05,
-             mid=0.155, slope=0.15625, lift=0.46875, dome=0.03, ridge=0.05, hollow=0.02)
+SHAPE = dict(shoulder=0.53125, tip=0.953125, point=0.35, nose=0.03125,
+             mid=0.155, slope=0.15625, dome=0.03, ridge=0.05, hollow=0.02)
 
 
 def half_scale(s):
@@ -30,10 +30,12 @@ def half_scale(s):
 
 
 @tile("scale", "overlapping scales with a ridge, two staggered rows in each cell, tips towards +v", ASPECT,
-      {"scale": ((0.04, 0.27, 0.19), 0.25, 0.28)}, covering=True)
-def scale():
+      {"scale": ((0.04, 0.27, 0.19), 0.25, 0.28)}, covering=True,
+      parameters={"lift": (0.15625, 0.15625, 0.46875), "thickness": (0.025, 0.025, 0.05)})
+def scale(lift=0.46875, thickness=0.05):
+    """lift is the slope of the tips, thickness that of the edge below them, in widths of a cell."""
     patches = []
-    for k, net in enumerate(half_scale(SHAPE)):
+    for k, net in enumerate(half_scale(dict(SHAPE, lift=lift, thick=thickness))):
         for side in (1, -1):
             half = Surface(net)
             a = half.map(lambda p: (0.5 + side * p[0] / 2, p[1], p[2]))
