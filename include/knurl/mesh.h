@@ -3,6 +3,7 @@
 #ifndef KNURL_MESH_H
 #define KNURL_MESH_H
 
+#include <knurl/shell.h>
 #include <knurl/spline.h>
 
 #ifdef __cplusplus
@@ -39,6 +40,41 @@ KN_API KN_CHECKED kn_status kn_mesh_copy(kn_ctx *ctx, kn_mesh *out, const kn_mes
 //         the arrays' growth, by half each time.
 KN_API KN_CHECKED kn_status kn_mesh_add_patch(kn_ctx *ctx, kn_mesh *mesh, const kn_bezier *patch,
                                               const int segments[2], bool reversed);
+
+// ---- meshes through maps ----
+
+// *point = the image of `from`; normal (NULL: not wanted) = that of geometry with from_normal there, unit length, or 0
+// where there is none. Called from one thread; a point has one image however often it is asked for.
+typedef kn_status (*kn_mesh_function)(kn_ctx *ctx, void *user, double point[3], double *normal, const double from[3],
+                                      const double *from_normal);
+// Zero means the default in every field.
+typedef struct kn_mesh_map_options {
+    double tolerance;      // of the image, in its unit; 0: nothing is split
+    bool reversed;         // triangles turn over, as where the map turns space inside out
+    bool estimate_normals; // kn_mesh_map: kn_shell_map_normal_estimate, the source's, instead of the exact ones
+    size_t max_triangles;  // 0: 2^24
+} kn_mesh_map_options;
+KN_API kn_mesh_map_options kn_mesh_map_defaults(void);
+// out = the mesh through the map: vertices with their images, more where an edge is bent by more than the tolerance,
+// and inside of triangles that are bent though their edges are not. An edge is cut in its middle, and whether it is
+// depends on its two ends alone: triangles that share one, in this mesh or in another, agree bit for bit about all
+// that it becomes, and closed meshes stay closed.
+// in:     triangles refer to vertices; mesh.normal NULL: means of the normals of the triangles around a vertex.
+// out:    initialised, overwritten, may be mesh. The mesh's own vertices come first, in its order; normals in the
+//         space between them are means. Where the map gives no normal it is the mean of the mapped triangles'.
+//         *deviation (NULL: not wanted): the largest distance that was measured and left.
+// fails:  what the function answers; KN_EDOMAIN a tolerance that is negative or not finite, a vertex that is not
+//         there; KN_ELIMIT triangles; KN_ECANCELLED, KN_ENOMEM; out unchanged.
+// error:  distances are measured, not certified: at three points of each edge, against its chord, and in the middle of
+//         each triangle, against its plane. An edge is halved 12 times at most: *deviation then tells.
+// cost:   four calls of the function for each edge of the result and two for each triangle.
+// source: Elber 2005, sidebar "Polygonal Composition Algorithm".
+KN_API KN_CHECKED kn_status kn_mesh_map_by(kn_ctx *ctx, kn_mesh *out, double *deviation, const kn_mesh *mesh,
+                                           kn_mesh_function function, void *user,
+                                           const kn_mesh_map_options *options);
+// The same through a shell: (u, v, w) are the shell's own parameters (kn_shell_eval).
+KN_API KN_CHECKED kn_status kn_mesh_map(kn_ctx *ctx, kn_mesh *out, double *deviation, const kn_mesh *mesh,
+                                        const kn_shell *shell, const kn_mesh_map_options *options);
 
 #ifdef __cplusplus
 }
