@@ -7,7 +7,8 @@
 
 enum { KN_CROSS_LINES = 1 }; // knot lines that one patch crosses in each direction; with more it is bisected first
 
-// One patch, or part of one, and the knot boxes that it meets: box (i, j) lies between lines i - 1 and i, j - 1 and j.
+// One patch, or part of one, and the knot boxes that it meets: box (i, j) lies between lines i - 1 and i, j - 1 and
+// j.
 typedef struct kn_crossing {
     kn_job_cell_plan *plan;
     const kn_job_leaf *leaf;
@@ -31,9 +32,9 @@ kn_status kn_crossing_piece(kn_ctx *ctx, bool *fits, kn_crossing *x, int i, int 
 // The piece of box (i, j) as a function of (u, v) of the place's cell: from there to the box of the piece.
 void kn_crossing_map(double origin[2], double width[2], const kn_crossing *x, int i, int j);
 
-// ---- cross_gap.c ----
-// *gap >= the distance of T of the boxes on both sides of a line, for points within delta of the line in variable var
-// (a power of two), and of w within x->top; rounding of the composition on both sides included. (i, j): the lower box.
+// ---- cross_gap.c ---- *gap >= the distance of T of the boxes on both sides of a line, for points within delta of
+// the line in variable var (a power of two), and of w within x->top; rounding of the composition on both sides
+// included. (i, j): the lower box.
 kn_status kn_crossing_gap(kn_ctx *ctx, double *gap, const kn_crossing *x, int var, int i, int j, double delta);
 
 // ---- cross_curve.c ----

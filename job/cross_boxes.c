@@ -4,8 +4,8 @@
 
 #include <math.h>
 
-// Composition in the coordinates of a box loses this factor at most where D reaches beyond it: the sum of the Bernstein
-// polynomials' absolute values there.
+// Composition in the coordinates of a box loses this factor at most where D reaches beyond it: the sum of the
+// Bernstein polynomials' absolute values there.
 #define MOST_GROWTH 4096.0
 
 static void range(double *lo, double *hi, const kn_bezier *d, int c)

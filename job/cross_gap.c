@@ -87,8 +87,8 @@ static kn_status add_term(kn_ctx *ctx, sums *s, const kn_crossing *x, const int 
     return status;
 }
 
-// The rounding of composing and of the products with w, relative to coefficients in absolute values (kn_bezier_compose),
-// which D's reach beyond the box makes larger.
+// The rounding of composing and of the products with w, relative to coefficients in absolute values
+// (kn_bezier_compose), which D's reach beyond the box makes larger.
 static double composition(const kn_crossing *x, const kn_shell_piece *piece, const int a[2])
 {
     double origin[2], width[2], most = 0.0, terms = (x->d->degree[0] + 1.0) * (x->d->degree[1] + 1.0);

@@ -1,9 +1,7 @@
-// SPDX-License-Identifier: Apache-2.0
-// The boundary of a region, cut where f changes its sign.
-//
-// Along each curve f is a function F of one parameter: along an edge of the square the polynomial of f's coefficients
-// there, and elsewhere f(curve(s)). Both are taken in a direction that does not depend on how the curve is run, so that
-// the two regions beside it find the same roots, bit for bit.
+// SPDX-License-Identifier: Apache-2.0 The boundary of a region, cut where f changes its sign.  Along each curve f is
+// a function F of one parameter: along an edge of the square the polynomial of f's coefficients there, and elsewhere
+// f(curve(s)). Both are taken in a direction that does not depend on how the curve is run, so that the two regions
+// beside it find the same roots, bit for bit.
 #include "kernel/context.h"
 #include "trim/internal.h"
 

@@ -98,8 +98,8 @@ static kn_status divide_edges(kn_ctx *ctx, kn_bezier *g, const kn_bezier *f)
     return status;
 }
 
-// |f| along the cut, segment by segment: coefficients of f(segment) and their rounding (kn_bezier_compose; segments lie
-// in the square).
+// |f| along the cut, segment by segment: coefficients of f(segment) and their rounding (kn_bezier_compose; segments
+// lie in the square).
 static kn_status find_residual(kn_ctx *ctx, double *residual, const cutting *c, const kn_bezier *f)
 {
     kn_bezier along = {0};

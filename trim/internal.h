@@ -11,8 +11,6 @@
 // ---- pieces.c ----
 // First and last point of a curve; NULL: not wanted.
 void kn_trim_ends(const kn_spline *curve, double start[2], double end[2]);
-// The same curve run backwards: control points in reverse, knots negated. Twice is nothing, bit for bit.
-void kn_trim_turn(kn_spline *curve);
 // A polyline through n >= 2 points, over [0, n - 1].
 kn_status kn_trim_polyline(kn_ctx *ctx, kn_spline *out, const double *points, size_t n);
 

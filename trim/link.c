@@ -123,8 +123,8 @@ static kn_status is_inside(kn_ctx *ctx, bool *yes, const linking *l, const doubl
     return status;
 }
 
-// Corners that the part from a to b keeps: not those on a node, and near nodes inside the square, where the line may be
-// off by tol, only those that lie in the region.
+// Corners that the part from a to b keeps: not those on a node, and near nodes inside the square, where the line may
+// be off by tol, only those that lie in the region.
 static kn_status keeps(kn_ctx *ctx, bool *yes, const linking *l, const kn_trim_node *a, const kn_trim_node *b,
                        const double *p)
 {

@@ -5,6 +5,7 @@
 
 #include <knurl/shell.h>
 #include <knurl/spline.h>
+#include <knurl/trim.h>
 
 #ifdef __cplusplus
 extern "C" {
@@ -75,6 +76,16 @@ KN_API KN_CHECKED kn_status kn_mesh_map_by(kn_ctx *ctx, kn_mesh *out, double *de
 // The same through a shell: (u, v, w) are the shell's own parameters (kn_shell_eval).
 KN_API KN_CHECKED kn_status kn_mesh_map(kn_ctx *ctx, kn_mesh *out, double *deviation, const kn_mesh *mesh,
                                         const kn_shell *shell, const kn_mesh_map_options *options);
+
+// The same for what a trim leaves of the patch (kn_trim_check accepts it, and its loops do not meet; empty: all).
+// out:    vertices at points along the trim, and at corners of the grid inside it. Points along edges of the square are
+//         those of kn_mesh_add_patch there, and the ends of curves of the trim; points along other curves depend, in
+//         (r,t), on the curve and the segments alone, whichever way it runs, so that both sides of a cut share them.
+//         Triangles keep three tenths of a step between the grid and the trim; beside it they follow its points.
+// fails:  also KN_EUNDECIDED: loops that cross or touch; KN_ELIMIT: more than 2^20 points along the trim.
+// cost:   that of each vertex singly, and n^2 for n points along the trim and around the boxes inside.
+KN_API KN_CHECKED kn_status kn_mesh_add_trimmed(kn_ctx *ctx, kn_mesh *mesh, const kn_bezier *patch,
+                                                const kn_trim *trim, const int segments[2], bool reversed);
 
 #ifdef __cplusplus
 }
