@@ -9,6 +9,8 @@ static void take(kn_job_block *b, kn_job_cursor *at, const kn_job *job, size_t n
 {
     const kn_job_alike *alike = &job->alike[at->alike];
     size_t rest = alike[1].first_cell - at->cell, n = rest;
+    bool part = at->end > 0 && at->end < alike[1].first_cell && alike->list != KN_JOB_OWN;
+    if (part) n = rest = at->end - at->cell;
     if (alike->list == KN_JOB_OWN) {
         b->npatches += alike->npatches;
         b->numbers += alike->numbers;
@@ -24,7 +26,20 @@ static void take(kn_job_block *b, kn_job_cursor *at, const kn_job *job, size_t n
     }
     b->ncells += n;
     at->cell += n;
-    if (n == rest) at->alike++;
+    if (n == rest && !part) at->alike++;
+}
+
+static bool ended(const kn_job_cursor *at, const kn_job *job)
+{
+    return at->alike >= job->nalike || (at->end > 0 && at->cell >= at->end);
+}
+
+kn_job_cursor kn_job_cursor_at(const kn_job *job, size_t first_cell, size_t ncells)
+{
+    size_t lo = kn_job_find_alike(job, first_cell);
+    bool own = lo < job->nalike && job->alike[lo].list == KN_JOB_OWN;
+    return (kn_job_cursor){
+        .alike = lo, .cell = own ? job->alike[lo].first_cell : first_cell, .end = first_cell + ncells};
 }
 
 bool kn_job_next_block(kn_job_block *out, kn_job_cursor *at, const kn_job *job)
@@ -32,7 +47,7 @@ bool kn_job_next_block(kn_job_block *out, kn_job_cursor *at, const kn_job *job)
     kn_job_block b = {.first_cell = at->cell, .first_patch = at->patch};
     int surface = 0, cell[2];
     size_t end = 0, ncomp = 3;
-    while (at->alike < job->nalike && b.numbers < BLOCK_NUMBERS) {
+    while (!ended(at, job) && b.numbers < BLOCK_NUMBERS) {
         if (at->cell >= end) {
             if (b.npatches > 0) break; // the next surface begins here
             b = (kn_job_block){.first_cell = at->cell, .first_patch = at->patch};

@@ -21,10 +21,10 @@ enum {
 typedef struct kn_job_patch {
     int part, spline, patch; // patch: Bezier patch of the part, counted over its splines
     int offset[2];
-    bool inside; // u and v of all control points within [0,1]
-    double top;  // max |w|
-    bool mirrored; // d runs the other way round than the tile's: outward is -(r x t)
-    kn_bezier d;   // of one to three variables
+    bool inside;                             // u and v of all control points within [0,1]
+    double top;                              // max |w|
+    bool mirrored;                           // d runs the other way round than the tile's: outward is -(r x t)
+    kn_bezier d;                             // of one to three variables
     double lo[KN_JOB_VARS], hi[KN_JOB_VARS]; // where in the Bezier patch's [0,1]^n it lies
 } kn_job_patch;
 typedef struct kn_job_patches {
@@ -118,7 +118,7 @@ typedef struct kn_job_lists {
 #define KN_JOB_OWN UINT32_MAX
 typedef struct kn_job_alike {
     size_t first_cell;
-    uint32_t list;           // KN_JOB_OWN: none
+    uint32_t list;            // KN_JOB_OWN: none
     size_t npatches, numbers; // of all these cells where they have their own plans
 } kn_job_alike;
 
@@ -145,7 +145,7 @@ struct kn_job {
     kn_job_surface *surfaces;
     int nsurfaces;
     struct kn_job_varying *varying; // NULL: tiles are the same everywhere
-    kn_job_variant *variants; // [0]: as modelled
+    kn_job_variant *variants;       // [0]: as modelled
     int nvariants;
     size_t ncells;
     // The plan. Memory does not depend on the number of cells: the lists and keys that cells share are limited, and
@@ -239,9 +239,14 @@ kn_status kn_job_find_partners(kn_ctx *ctx, kn_job_partner *partners, const kn_s
 // partner[].goes_on of all surfaces, whose shells and lines are there, for the heights w that the tile occupies.
 // Beyond a crease the tile would be torn.
 kn_status kn_job_match_edges(kn_ctx *ctx, kn_job *job, const double w[2]);
+// Whether the normal turns over where a tile goes on over the edge.
+bool kn_job_turns_over(int edge, const kn_job_partner *partner);
 // Where the cell at `offset` from a cell of the surface lies: on the surface beyond an edge that the two share with
-// agreeing normals and cell lines; otherwise on its own surface, where closed directions wrap and open ends extend.
+// agreeing (or opposite) normals and cell lines; otherwise on its own surface, where closed directions wrap, and open
+// ends too where the placement says cyclic; other open ends extend.
 kn_job_place kn_job_find_place(const kn_job *job, int surface, const int cell[2], const int offset[2]);
+// Whether it lies beyond an end at which tiles are cut off (KN_BORDER_CLIP).
+bool kn_job_is_clipped(const kn_job *job, int surface, const int cell[2], const int offset[2]);
 
 // ---- counts.c ----
 // The class of each direction of each surface (2 surface + variable): lines that meet on shared edges.
@@ -282,8 +287,10 @@ double kn_job_place_w(const kn_job_options *options, double w);
 int kn_job_tile_degree(const kn_job *job);
 
 // ---- rect.c ----
-// The part of a patch that rect names, after `turn` quarter turns about the centre of its cell.
+// The part of a patch that rect names, after the turn of a place (kn_job_place).
 kn_status kn_job_restrict(kn_ctx *ctx, kn_bezier *out, const kn_job_patch *patch, kn_job_rect rect, int turn);
+// n points (u, v, w), component by component, `step` numbers from one component to the next.
+void kn_job_turn(double *u, size_t step, size_t n, int turn);
 // A box with dyadic sides around (u, v) of d, hardly larger than it must be.
 void kn_job_box(double lo[2], double hi[2], const kn_bezier *d);
 // The patch of a key in the coordinates of its box, [0,1]^2.
@@ -312,11 +319,11 @@ void kn_job_pieces_end(kn_ctx *ctx, kn_job_pieces *pieces);
 // One patch, or part of one, that a cell composes.
 typedef struct kn_job_leaf {
     kn_job_key key;
-    int instance; // of the cell
-    bool own;     // key.patch is one of plan->own, else of job->patches
-    int piece;    // of plan->pieces: D is composed with it in its own cell and box (kn_job_leaf_source). -1: none
-    int shift[2]; // the piece's cell less the cell where D lies (kn_job_cross)
-    bool alone;   // the piece's box is not that of the key: no matrix serves it
+    int instance;    // of the cell
+    bool own;        // key.patch is one of plan->own, else of job->patches
+    int piece;       // of plan->pieces: D is composed with it in its own cell and box (kn_job_leaf_source). -1: none
+    int shift[2];    // the piece's cell less the cell where D lies (kn_job_cross)
+    bool alone;      // the piece's box is not that of the key: no matrix serves it
     int part, patch; // of a mesh: kn_patch_id
     // Filled by kn_job_cross and by kn_job_map_meshes; they belong to the leaf.
     kn_trim trim;   // what there is of it, in the [0,1]^2 of its rect; empty: all
@@ -331,9 +338,9 @@ typedef struct kn_job_cell_plan {
     bool there; // kn_job_has_cell
     kn_job_leaf *leaves;
     int count, room;
-    kn_job_patches own;   // patches of instances that are not plain
-    kn_job_pieces pieces; // what the leaves are composed with
-    bool shared;          // all leaves are of job->patches and without trims, meshes and shifts
+    kn_job_patches own;           // patches of instances that are not plain
+    kn_job_pieces pieces;         // what the leaves are composed with
+    bool shared;                  // all leaves are of job->patches and without trims, meshes and shifts
     kn_normal_certificate normal; // the worst of the pieces in use
     double stand_in;
     double crossing; // kn_job_report.crossing_error
@@ -376,7 +383,10 @@ typedef struct kn_job_block {
 // A place in the sequence of blocks, which is made as it is asked for; zero: the beginning.
 typedef struct kn_job_cursor {
     size_t alike, cell, patch;
+    size_t end; // before which cell the sequence ends, unless cells with plans of their own go on; 0: it does not
 } kn_job_cursor;
+// The sequence of blocks of a range of cells, and of those with plans of their own that are kept with them.
+kn_job_cursor kn_job_cursor_at(const kn_job *job, size_t first_cell, size_t ncells);
 bool kn_job_next_block(kn_job_block *out, kn_job_cursor *at, const kn_job *job); // false: there is none
 
 // ======== what others decide of a cell: hooks of the plan ========

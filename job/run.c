@@ -5,12 +5,20 @@
 
 enum { STRIDE = 64 }; // blocks from one noted place to the next
 
+// A place in the sequence of blocks of all ranges.
+typedef struct place {
+    kn_job_cursor at;
+    size_t range;
+} place;
+
 typedef struct runner {
     const kn_job *job;
     kn_sink *sinks;
     int nsinks;
     kn_job_matrix *matrices;
-    kn_job_cursor *noted; // where block STRIDE i begins
+    const kn_cell_range *ranges; // ascending and apart
+    size_t nranges;
+    place *noted; // where block STRIDE i begins
     size_t nblocks;
 } runner;
 
@@ -22,17 +30,43 @@ typedef struct product {
 
 // ---- the sequence of blocks ----
 
+static place begin_range(const runner *r, size_t range, size_t patch)
+{
+    place p = {.range = range};
+    if (range < r->nranges) p.at = kn_job_cursor_at(r->job, r->ranges[range].first, r->ranges[range].count);
+    p.at.patch = patch;
+    return p;
+}
+
+// Cells with plans of their own are kept several together, and may reach over the end of a range: those that begin
+// before `done` are there already.
+static bool next(kn_job_block *block, place *p, const runner *r)
+{
+    while (p->range < r->nranges) {
+        if (kn_job_next_block(block, &p->at, r->job)) return true;
+        size_t done = p->at.cell;
+        place to = begin_range(r, p->range + 1, p->at.patch);
+        if (to.range < r->nranges && to.at.cell < done) {
+            size_t end = to.at.end;
+            to.at = p->at;
+            to.at.end = end > done ? end : done;
+        }
+        *p = to;
+    }
+    return false;
+}
+
 static kn_status note_blocks(kn_ctx *ctx, runner *r)
 {
-    kn_job_cursor at = {0}, before = {0};
+    place at = begin_range(r, 0, 0), before = at;
     kn_job_block block;
     size_t room = 0;
-    for (; kn_job_next_block(&block, &at, r->job); before = at, r->nblocks++) {
+    for (; next(&block, &at, r); before = at, r->nblocks++) {
         size_t i = r->nblocks / STRIDE;
         if (r->nblocks % STRIDE != 0) continue;
         if (i == room) {
             room = 2 * room + 16;
-            kn_job_cursor *noted = kn_resize(ctx, r->noted, room, sizeof *noted);
+            place *noted = kn_resize(ctx, r->noted, room, sizeof *noted);
             if (!noted) return KN_ENOMEM;
             r->noted = noted;
         }
@@ -43,8 +77,8 @@ static kn_status note_blocks(kn_ctx *ctx, runner *r)
 
 static void find_block(kn_job_block *block, const runner *r, size_t index)
 {
-    kn_job_cursor at = r->noted[index / STRIDE];
-    for (size_t i = 0; i <= index % STRIDE; i++) (void)kn_job_next_block(block, &at, r->job);
+    place at = r->noted[index / STRIDE];
+    for (size_t i = 0; i <= index % STRIDE; i++) (void)next(block, &at, r);
 }
 
 // ---- the pipeline ----
@@ -98,11 +132,29 @@ static void drop(kn_ctx *ctx, void *user, void *made)
 
 kn_status kn_job_run(kn_ctx *ctx, const kn_job *job, kn_sink *sinks, int nsinks)
 {
-    runner r = {.job = job, .sinks = sinks, .nsinks = nsinks};
+    const kn_cell_range all = {0, job->ncells};
+    return kn_job_run_cells(ctx, job, &all, 1, sinks, nsinks);
+}
+
+static kn_status check_ranges(kn_ctx *ctx, const kn_job *job, const kn_cell_range *ranges, size_t n)
+{
+    for (size_t i = 0, end = 0; i < n; end = ranges[i].first + ranges[i].count, i++)
+        if (ranges[i].count < 1 || ranges[i].first < end || ranges[i].first >= job->ncells ||
+            ranges[i].count > job->ncells - ranges[i].first)
+            return kn_fail(ctx, KN_EDOMAIN, "job: cells %zu and %zu more, of %zu in order", ranges[i].first,
+                           ranges[i].count, job->ncells);
+    return KN_OK;
+}
+
+kn_status kn_job_run_cells(kn_ctx *ctx, const kn_job *job, const kn_cell_range *ranges, size_t n, kn_sink *sinks,
+                           int nsinks)
+{
+    runner r = {.job = job, .sinks = sinks, .nsinks = nsinks, .ranges = ranges, .nranges = n};
     const kn_pipeline pipeline = {&r, work, commit, drop};
     for (int k = 0; k < nsinks; k++)
         if (!sinks[k].commit) return kn_fail(ctx, KN_EDOMAIN, "job: sink %d is closed, or has no commit", k);
-    kn_status status = note_blocks(ctx, &r);
+    kn_status status = check_ranges(ctx, job, ranges, n);
+    if (status == KN_OK) status = note_blocks(ctx, &r);
     if (status == KN_OK) status = kn_job_make_matrices(ctx, &r.matrices, job);
     for (int k = 0; status == KN_OK && k < nsinks; k++)
         if (sinks[k].begin) status = sinks[k].begin(ctx, sinks[k].user, &job->tile, &job->report);

@@ -62,6 +62,22 @@ typedef struct kn_job_placement {
     kn_job_scatter scatter;
 } kn_job_placement;
 
+// What a camera sees: what lies beyond the picture is left out, and tessellations are as coarse as it allows.
+typedef struct kn_job_view {
+    // clip = matrix (x, y, z, 1), row by row: seen where |clip x|, |clip y| and |clip z| are at most clip w.
+    double matrix[16];
+    int pixels[2]; // width and height of the picture
+    // Cells smaller than this on the screen go; 0: none.
+    double least_pixels;
+    // What a coarser tessellation may be off, on the screen; 0: 0.5. Cells side by side may then have different
+    // segments, and gaps of that size between them.
+    double chord_pixels;
+    // Cells go that the base hides from the camera itself, because they face away far enough: the way from every
+    // point of the tiles to the camera leads down through the base, or through the covering tiles, in the cells
+    // around. What stands in front of a cell elsewhere is not looked for. Not with fields, nor over volumes.
+    bool hidden;
+} kn_job_view;
+
 // Which cells there are. Zero: all. A cell is there when all that is given agrees.
 typedef struct kn_job_selection {
     const int *surfaces; // of the base, nsurfaces of them; NULL: all
@@ -75,7 +91,23 @@ typedef struct kn_job_selection {
     size_t first, count; // a range of the cells in the job's order; count 0: all from `first`
     bool slab;           // those whose image may touch z in [slab_z[0], slab_z[1]]: certified to miss none
     double slab_z[2];
+    const kn_job_view *view; // borrowed; NULL: none
 } kn_job_selection;
+
+// Why a cell is not there: the first of these that is not met.
+typedef enum kn_job_drop {
+    KN_DROP_SURFACE,
+    KN_DROP_RANGE,
+    KN_DROP_SKIP,
+    KN_DROP_DENSITY,
+    KN_DROP_MASK,
+    KN_DROP_CONE,
+    KN_DROP_SLAB,
+    KN_DROP_OUTSIDE, // of the picture
+    KN_DROP_SMALL,   // on the screen
+    KN_DROP_HIDDEN,
+    KN_DROP_REASONS
+} kn_job_drop;
 
 // The value of a tile's parameter, or of a change that every tile can have, over the base. Control points are taken at
 // the places that they have in the unvaried tile, so that tiles which meet there still do.
@@ -141,12 +173,13 @@ typedef struct kn_job_report {
     int nsurfaces; // of the base
     int nparts;    // surfaces of the job, which counts parts between creases, and rows of cells, one by one
     size_t cells, patches, exact_patches, control_points, triangles;
-    size_t curves, volumes, meshes; // of the patches: those that are no surfaces
-    int degree[2];                // the largest in r and in t
-    double height, cell_size;     // in force, length units
-    kn_normal_certificate normal; // over all pieces in use
-    double normal_tol;            // in force
-    int max_degree;               // in force
+    size_t dropped[KN_DROP_REASONS]; // cells that are not there
+    size_t curves, volumes, meshes;  // of the patches: those that are no surfaces
+    int degree[2];                   // the largest in r and in t
+    double height, cell_size;        // in force, length units
+    kn_normal_certificate normal;    // over all pieces in use
+    double normal_tol;               // in force
+    int max_degree;                  // in force
     // Bound of |patch - T(D)| where a stand-in for n is used, length units, the thickness included; 0: none is. Where
     // D reaches beyond the surface's domain T(D) is S + w times its unit normal there, and not kn_shell_eval, which
     // extends n.
@@ -156,6 +189,9 @@ typedef struct kn_job_report {
     double cells_error;              // bound of |S in use - S(map)| with KN_CELLS_FREE; 0: exact
     int even_instead;                // parts, of nparts, that kept even lines and S with KN_CELLS_FREE
     double stretch_error;            // relative, of the heights that follow the stretch (kn_cells_stretch)
+    // Bound of |patch - T(D)|, and of the gap between patches, where tile patches cross knot lines (options.crossing),
+    // length units, rounding included; 0: none does.
+    double crossing_error;
 } kn_job_report;
 
 // Stable identity of an output patch.
@@ -258,6 +294,37 @@ KN_API KN_CHECKED kn_status kn_job_source(kn_ctx *ctx, kn_bezier *out, kn_patch_
 // fails: what the sinks answer; KN_EDOMAIN a sink without commit; KN_ECANCELLED, KN_ENOMEM. All products are
 //        then discarded.
 KN_API KN_CHECKED kn_status kn_job_run(kn_ctx *ctx, const kn_job *job, kn_sink *sinks, int nsinks);
+
+// Cells in the job's order: first .. first + count - 1.
+typedef struct kn_cell_range {
+    size_t first, count;
+} kn_cell_range;
+// The same for some cells alone. The report that sinks get is that of the whole job, and block->first counts the
+// patches of this run. Neighbours of a cell that is composed by a plan of its own may come with it.
+// in:    ranges: n of them, ascending and apart (else KN_EDOMAIN); n may be 0.
+KN_API KN_CHECKED kn_status kn_job_run_cells(kn_ctx *ctx, const kn_job *job, const kn_cell_range *ranges, size_t n,
+                                             kn_sink *sinks, int nsinks);
+
+// ---- cells near a plane ----
+
+// The heights z between which the tiles of every cell of a job lie, from coefficients and without composing: made
+// once, asked for each slab. It is never written to: any number of threads may ask.
+typedef struct kn_job_slabs kn_job_slabs;
+// in:     job: borrowed, for the slabs' life.
+// out:    *out, ended by kn_job_slabs_destroy. 8 bytes for each cell.
+// fails:  KN_ENOMEM, KN_ECANCELLED, and what a field answers; *out unchanged.
+// error:  none: every patch of a cell, as it is composed, lies between its heights (docs/numerics.md, "job").
+// cost:   some us for each cell that the tile of one cell reaches, 20 us and more where tiles are no two alike.
+KN_API KN_CHECKED kn_status kn_job_slabs_create(kn_ctx *ctx, kn_job_slabs **out, const kn_job *job);
+KN_API void kn_job_slabs_destroy(kn_ctx *ctx, kn_job_slabs *slabs);
+// The heights between which all cells lie; lo > hi where there is none.
+KN_API void kn_job_slabs_range(const kn_job_slabs *slabs, double z[2]);
+// All cells whose tiles may touch z in [z0, z1]; none that does is missing.
+// out:    *ranges: *n of them, ascending and apart, for kn_free.
+// fails:  KN_EDOMAIN not z0 <= z1, KN_ENOMEM; outputs unchanged.
+// cost:   1 ns for each 64 cells of the job, and for each cell that is found.
+KN_API KN_CHECKED kn_status kn_job_slabs_find(kn_ctx *ctx, kn_cell_range **ranges, size_t *n,
+                                              const kn_job_slabs *slabs, double z0, double z1);
 
 #ifdef __cplusplus
 }
