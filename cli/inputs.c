@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Bases and tiles named on the command line.
+// Bases named on the command line.
 #include "cli/cli.h"
-
-#include <string.h>
-#include <unistd.h>
 
 // Keeps the surfaces of a model in their order, and volumes if wanted, and drops the rest.
 static int keep_surfaces(kn_ctx *ctx, kn_model *model, bool volumes)
@@ -43,36 +40,4 @@ void cli_base_clear(cli_session *session, cli_base *base)
     kn_free(cli_ctx(session), base->surfaces);
     base->surfaces = NULL;
     base->nsurfaces = 0;
-}
-
-static int unknown_tile(const char *name)
-{
-    enum { MOST = 64 };
-    const char *names[MOST];
-    int n = 0;
-    while (n < MOST && n < kn_builtin_tile_count()) names[n] = kn_builtin_tile_name(n), n++;
-    const char *nearest = cli_nearest(name, names, n);
-    if (nearest)
-        cli_error("no tile '%s'; did you mean '%s'? ('knurl tiles' lists them)", name, nearest);
-    else
-        cli_error("no tile '%s', and no such file ('knurl tiles' lists the built-in ones)", name);
-    return EXIT_USAGE;
-}
-
-int cli_read_tile(cli_session *session, kn_tile *out, const char *name, const double *cell)
-{
-    kn_ctx *ctx = cli_ctx(session);
-    for (int i = 0; i < kn_builtin_tile_count(); i++)
-        if (strcmp(name, kn_builtin_tile_name(i)) == 0) {
-            kn_status status = kn_builtin_tile(ctx, out, name);
-            return status == KN_OK ? EXIT_OK : cli_fail(session, status, false);
-        }
-    if (!strchr(name, '.') && !strchr(name, '/') && access(name, F_OK) != 0) return unknown_tile(name);
-    kn_status status = kn_read_tile(ctx, out, name, cell);
-    return status == KN_OK ? EXIT_OK : cli_fail_on(session, status, name, true);
-}
-
-int cli_read_job_tile(cli_session *session, kn_tile *out, cli_job *job)
-{
-    return cli_read_tile(session, out, job->tile, job->has_cell ? job->cell : NULL);
 }

@@ -109,6 +109,8 @@ kn_status fail_at(kn_ctx *ctx, const char *text, const std::string &message, int
 {
     std::string line;
     for (char c : message) line += c == '\n' || c == '\r' ? ' ' : c;
+    size_t place = line.find(" at position "); // counted from 0: ours is from 1
+    if (place != std::string::npos) line.erase(place, line.find_first_not_of("0123456789", place + 13) - place);
     while (!line.empty() && (line.back() == '.' || line.back() == ' ')) line.pop_back();
     return kn_fail(ctx, KN_EPARSE, "expression '%.200s': %.200s, at %d", text, line.c_str(), at + 1);
 }
