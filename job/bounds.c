@@ -54,9 +54,23 @@ static kn_status take_volume(kn_ctx *ctx, kn_job_bounds_surface *to, const kn_sh
     return kn_shell_volume(ctx, &to->volume, shell, lo, hi);
 }
 
-kn_status kn_job_bounds_init(kn_ctx *ctx, kn_job_bounds *out, const kn_job *job, const double w[2])
+// Of all patches; the other way round too, for a tile may go on over an edge at which n turns over.
+static void find_heights(double w[2], const kn_job *job)
 {
-    kn_job_bounds b = {.job = job, .w = {w[0], w[1]}};
+    double top = 0.0;
+    for (int k = 0; k < job->npatches; k++) top = fmax(top, job->patches[k].top);
+    for (int p = 0; p < job->tile.nparts; p++) {
+        const kn_mesh *mesh = &job->tile.parts[p].mesh;
+        for (size_t i = 0; i < mesh->nvertices; i++)
+            top = fmax(top, fabs(kn_job_place_w(&job->options, mesh->position[3 * i + 2])));
+    }
+    w[0] = -top, w[1] = top;
+}
+
+kn_status kn_job_bounds_init(kn_ctx *ctx, kn_job_bounds *out, const kn_job *job)
+{
+    kn_job_bounds b = {.job = job};
+    find_heights(b.w, job);
     b.surfaces = kn_alloc_zero(ctx, (size_t)job->nsurfaces, sizeof *b.surfaces);
     kn_status status = b.surfaces ? KN_OK : KN_ENOMEM;
     for (int s = 0; status == KN_OK && s < job->nsurfaces; s++) {
@@ -66,7 +80,7 @@ kn_status kn_job_bounds_init(kn_ctx *ctx, kn_job_bounds *out, const kn_job *job,
         status = kn_spline_box(ctx, lo, hi, kn_shell_surface(shell));
         for (int c = 0; status == KN_OK && c < 3; c++) to->size = fmax(to->size, fmax(fabs(lo[c]), fabs(hi[c])));
         if (status == KN_OK && (job->has_fields || !kn_shell_normal(shell)->coef))
-            status = take_volume(ctx, to, shell, w);
+            status = take_volume(ctx, to, shell, b.w);
         else if (status == KN_OK)
             status = take_pieces(ctx, to, kn_shell_surface(shell));
     }
@@ -139,16 +153,22 @@ static kn_status surface_box(kn_ctx *ctx, double *lo, double *hi, const kn_job_b
     return KN_OK;
 }
 
-// The control points of f that act over [a,b] of its first two variables, all of the third: f is in their hull.
-static void acting_box(double *lo, double *hi, const kn_spline *f, const double a[2], const double b[2])
+// The control points of f that act over [a,b] of its first two variables.
+static void acting(int first[2], int last[2], const kn_spline *f, const double a[2], const double b[2])
 {
-    int first[2], last[2], dim = kn_spline_dim(f);
     for (int d = 0; d < 2; d++) {
         const double *knots = f->knots[d];
         first[d] = kn_knots_span(knots, f->degree[d], f->count[d], a[d]) - f->degree[d];
         last[d] = kn_knots_span(knots, f->degree[d], f->count[d], b[d]);
         while (last[d] > first[d] + f->degree[d] && knots[last[d]] >= b[d]) last[d]--;
     }
+}
+
+// Their box, with all of a third variable: f is in their hull.
+static void acting_box(double *lo, double *hi, const kn_spline *f, const double a[2], const double b[2])
+{
+    int first[2], last[2], dim = kn_spline_dim(f);
+    acting(first, last, f, a, b);
     size_t n = kn_spline_count(f), deep = f->nvars > 2 ? (size_t)f->count[2] : 1;
     size_t run = (size_t)(last[1] - first[1] + 1) * deep;
     for (int c = 0; c < dim; c++) {
@@ -180,15 +200,20 @@ kn_status kn_job_bounds_box(kn_ctx *ctx, double lo[3], double hi[3], const kn_jo
     bool inside = true;
     for (int d = 0; d < 2; d++) inside = interval(&a[d], &b[d], s, d, place->cell[d], e->lo[d], e->hi[d]) && inside;
     double top = fmax(fabs(e->w[0]), fabs(e->w[1])), size = from->size + top;
+    bool apart = bounds->job->options.crossing == KN_CROSSING_APPROXIMATE;
+    double extra = apart ? bounds->job->options.crossing_tol : 0.0;
     if (from->volume.coef) {
         for (int c = 0; c < 3; c++) lo[c] = -INFINITY, hi[c] = INFINITY;
         bool heights = e->w[0] >= bounds->w[0] && e->w[1] <= bounds->w[1];
-        if (!inside || !heights) return KN_OK;
+        if (!inside || !heights || (apart && extra == 0.0)) return KN_OK;
         acting_box(lo, hi, &from->volume, a, b);
         size = 0.0;
         for (int c = 0; c < 3; c++) size = fmax(size, fmax(fabs(lo[c]), fabs(hi[c])));
         // a stand-in moves n by 2 e, of a thickness that fills the hull at most
         for (int c = 0; c < 3; c++) lo[c] -= 2.0 * tol * size, hi[c] += 2.0 * tol * size;
+    } else if ((!inside && e->drifts) || (apart && extra == 0.0)) {
+        for (int c = 0; c < 3; c++) lo[c] = -INFINITY, hi[c] = INFINITY;
+        return KN_OK;
     } else {
         kn_status status = surface_box(ctx, lo, hi, from, a, b);
         if (status != KN_OK) return status;
@@ -199,6 +224,55 @@ kn_status kn_job_bounds_box(kn_ctx *ctx, double lo[3], double hi[3], const kn_jo
             size = fmax(size, fmax(fabs(lo[c]), fabs(hi[c])));
         }
     }
-    for (int c = 0; c < 3; c++) lo[c] -= roundings * size, hi[c] += roundings * size;
+    for (int c = 0; c < 3; c++) lo[c] -= roundings * size + extra, hi[c] += roundings * size + extra;
     return KN_OK;
+}
+
+// The box of (u,v) after the turns that lead into a place.
+static void turn_box(kn_job_extent *e, int turn)
+{
+    for (int k = 0; k < (turn & 3); k++) { // (u, v) -> (1 - v, u)
+        double lo = e->lo[0], hi = e->hi[0];
+        e->lo[0] = 1.0 - e->hi[1], e->hi[0] = 1.0 - e->lo[1];
+        e->lo[1] = lo, e->hi[1] = hi;
+    }
+    if ((turn & KN_JOB_FLIP) == 0) return;
+    double hi = e->hi[1], w = e->w[1];
+    e->hi[1] = 1.0 - e->lo[1], e->lo[1] = 1.0 - hi;
+    e->w[1] = -e->w[0], e->w[0] = -w;
+}
+
+kn_status kn_job_bounds_cell(kn_ctx *ctx, double lo[3], double hi[3], const kn_job_bounds *bounds, int surface,
+                             const int cell[2], const kn_job_extents *extents)
+{
+    kn_status status = KN_OK;
+    for (int c = 0; c < 3; c++) lo[c] = INFINITY, hi[c] = -INFINITY;
+    for (int k = 0; status == KN_OK && k < extents->count; k++) {
+        kn_job_extent e = extents->list[k];
+        double least[3], most[3];
+        if (kn_job_is_clipped(bounds->job, surface, cell, e.offset)) continue;
+        kn_job_place place = kn_job_find_place(bounds->job, surface, cell, e.offset);
+        turn_box(&e, place.turn);
+        status = kn_job_bounds_box(ctx, least, most, bounds, &place, &e);
+        for (int c = 0; status == KN_OK && c < 3; c++) lo[c] = fmin(lo[c], least[c]), hi[c] = fmax(hi[c], most[c]);
+    }
+    return status;
+}
+
+double kn_job_bounds_facing(const kn_job_bounds *bounds, int surface, const int cell[2], const double direction[3])
+{
+    const kn_job_surface *s = &bounds->job->surfaces[surface];
+    const kn_spline *n = kn_shell_normal(s->shell);
+    double a[2], b[2], most = -INFINITY;
+    int first[2], last[2];
+    for (int d = 0; d < 2; d++) (void)interval(&a[d], &b[d], s, d, cell[d], 0.0, 1.0);
+    acting(first, last, n, a, b);
+    size_t count = kn_spline_count(n);
+    for (int i = first[0]; i <= last[0]; i++)
+        for (int j = first[1]; j <= last[1]; j++) {
+            const double *c = n->coef + (size_t)i * (size_t)n->count[1] + (size_t)j;
+            double dot = c[0] * direction[0] + c[count] * direction[1] + c[2 * count] * direction[2];
+            most = fmax(most, dot);
+        }
+    return most + 4.0 * bounds->job->options.normal_tol + 1e-14;
 }

@@ -116,20 +116,26 @@ kn_status kn_job_find_partners(kn_ctx *ctx, kn_job_partner *partners, const kn_s
 // Directions of the (u,v) plane in quarter turns from +u. Edges: 0 and 1 at the ends of u, 2 and 3 at those of v.
 static const int outward[4] = {2, 0, 3, 1}, inward[4] = {0, 2, 1, 3}, forward[4] = {1, 1, 0, 0};
 
-// The rotation that leads out over `edge` and in over its partner. It must run along the partner as the edges
-// coincide; a reflection would mean that the normals of the two surfaces disagree.
-static bool rotation(int *turn, int edge, const kn_job_partner *p)
+// The turn (kn_job_place) that leads out over `edge` and in over its partner. It must run along the partner as the edges
+// coincide: where a rotation does not, the normals of the two surfaces disagree, and one reflection more, along the
+// edge, makes it, with w turned over.
+static int turn_over(int edge, const kn_job_partner *p)
 {
-    int to = p->edge % 4;
-    *turn = (inward[to] - outward[edge] + 4) % 4;
-    bool same_way = (forward[edge] + *turn) % 4 == forward[to];
-    return same_way == !p->reversed;
+    int to = p->edge % 4, turn = (inward[to] - outward[edge] + 4) % 4;
+    bool same_way = (forward[edge] + turn) % 4 == forward[to];
+    if (same_way == !p->reversed) return turn;
+    return (to < 2 ? turn : (turn + 2) % 4) | KN_JOB_FLIP; // u -> 1 - u is half a turn and v -> 1 - v
 }
 
-// A place on an edge, seen from the surfaces on both sides.
+bool kn_job_turns_over(int edge, const kn_job_partner *partner)
+{
+    return partner->edge >= 0 && (turn_over(edge, partner) & KN_JOB_FLIP) != 0;
+}
+
+// A place on an edge, seen from the surfaces on both sides; sign: of w and n on the second one.
 typedef struct edge_place {
     const kn_shell *shell[2];
-    double at[2][2];
+    double at[2][2], sign;
 } edge_place;
 
 static double apart(const double p[3], const double q[3])
@@ -150,11 +156,12 @@ static kn_status agrees(kn_ctx *ctx, bool *yes, const kn_job *job, const edge_pl
     for (int k = 0; k < 5 && *yes && (fields || volume) && status == KN_OK; k++) {
         for (int i = 0; i < 2 && status == KN_OK; i++)
             status = kn_shell_eval(ctx, p[i], NULL, e->shell[i], e->at[i][0], e->at[i][1],
-                                   w[0] + 0.25 * k * (w[1] - w[0]));
+                                   (i == 0 ? 1.0 : e->sign) * (w[0] + 0.25 * k * (w[1] - w[0])));
         if (status == KN_OK) *yes = apart(p[0], p[1]) <= slack;
     }
     for (int i = 0; i < 2 && *yes && !volume && !o->direction && status == KN_OK; i++)
         status = kn_shell_unit_normal(ctx, p[i], e->shell[i], e->at[i][0], e->at[i][1]);
+    for (int c = 0; c < 3; c++) p[1][c] *= e->sign;
     if (status == KN_OK && *yes && !volume && !o->direction) *yes = apart(p[0], p[1]) <= tol;
     return status;
 }
@@ -167,11 +174,12 @@ static kn_status goes_on(kn_ctx *ctx, bool *yes, const kn_job *job, int surface,
     const kn_job_surface *s = &job->surfaces[surface];
     const kn_job_partner *p = &s->partner[edge];
     const kn_job_surface *other = &job->surfaces[p->edge / 4];
-    int fixed[2] = {edge >> 1, (p->edge % 4) >> 1}, n = s->cells[1 - fixed[0]], turn;
+    int fixed[2] = {edge >> 1, (p->edge % 4) >> 1}, n = s->cells[1 - fixed[0]];
     const double *line[2] = {s->lines[1 - fixed[0]], other->lines[1 - fixed[1]]};
-    edge_place e = {.shell = {s->shell, other->shell}};
+    bool flip = kn_job_turns_over(edge, p), volume = kn_shell_normal(s->shell)->coef == NULL;
+    edge_place e = {.shell = {s->shell, other->shell}, .sign = flip ? -1.0 : 1.0};
     kn_status status = KN_OK;
-    *yes = p->single && rotation(&turn, edge, p) && other->cells[1 - fixed[1]] == n;
+    *yes = p->single && !(flip && volume) && other->cells[1 - fixed[1]] == n;
     e.at[0][fixed[0]] = s->lines[fixed[0]][edge % 2 == 0 ? 0 : s->cells[fixed[0]]];
     e.at[1][fixed[1]] = other->lines[fixed[1]][p->edge % 2 == 0 ? 0 : other->cells[fixed[1]]];
     for (int k = 0; status == KN_OK && *yes && k <= 2 * n; k++) { // the lines, and the middles between them
@@ -199,11 +207,29 @@ kn_status kn_job_match_edges(kn_ctx *ctx, kn_job *job, const double w[2])
     return status;
 }
 
+// Whether the cell lies beyond an end where nothing goes on.
+static bool is_end(const kn_job_surface *s, int d, int cell)
+{
+    return !s->closed[d] && (cell < 0 || cell >= s->cells[d]) && !s->partner[2 * d + (cell >= 0)].goes_on;
+}
+
+bool kn_job_is_clipped(const kn_job *job, int surface, const int cell[2], const int offset[2])
+{
+    for (int d = 0; d < 2; d++)
+        if (job->options.placement.border[d] == KN_BORDER_CLIP &&
+            is_end(&job->surfaces[surface], d, cell[d] + offset[d]))
+            return true;
+    return false;
+}
+
 kn_job_place kn_job_find_place(const kn_job *job, int surface, const int cell[2], const int offset[2])
 {
     const kn_job_surface *s = &job->surfaces[surface];
     kn_job_place own = {.surface = surface, .cell = {cell[0] + offset[0], cell[1] + offset[1]}};
     int outside = -1;
+    for (int d = 0; d < 2; d++)
+        if (job->options.placement.border[d] == KN_BORDER_CYCLIC && is_end(s, d, own.cell[d]))
+            own.cell[d] = (own.cell[d] % s->cells[d] + s->cells[d]) % s->cells[d];
     for (int d = 0; d < 2; d++) {
         if (s->closed[d] || (own.cell[d] >= 0 && own.cell[d] < s->cells[d])) continue;
         if (outside >= 0) return own; // beyond a corner
@@ -212,15 +238,15 @@ kn_job_place kn_job_find_place(const kn_job *job, int surface, const int cell[2]
     if (outside < 0) return own;
 
     bool at_end = own.cell[outside] >= 0;
-    int edge = 2 * outside + at_end, along = 1 - outside, n = s->cells[along], turn;
+    int edge = 2 * outside + at_end, along = 1 - outside, n = s->cells[along];
     int depth = at_end ? own.cell[outside] - s->cells[outside] : -1 - own.cell[outside];
     const kn_job_partner *p = &s->partner[edge];
-    if (!p->goes_on || !rotation(&turn, edge, p)) return own;
+    if (!p->goes_on) return own;
     const kn_job_surface *other = &job->surfaces[p->edge / 4];
     int across = (p->edge % 4) >> 1, i = ((own.cell[along] % n) + n) % n;
     bool same_kind = kn_shell_surface(other->shell)->rational == kn_shell_surface(s->shell)->rational;
     if (!same_kind || depth >= other->cells[across]) return own;
-    kn_job_place place = {.surface = p->edge / 4, .turn = turn};
+    kn_job_place place = {.surface = p->edge / 4, .turn = turn_over(edge, p)};
     place.cell[across] = p->edge % 2 == 0 ? depth : other->cells[across] - 1 - depth;
     place.cell[1 - across] = p->reversed ? n - 1 - i : i;
     return place;

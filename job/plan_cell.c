@@ -112,6 +112,7 @@ static kn_status plan_patch(kn_ctx *ctx, kn_job_cell_plan *plan, int patch, bool
     static const double zero[2] = {0.0, 0.0}, one[2] = {1.0, 1.0};
     kn_job_leaf leaf = {.key = {.patch = patch}, .own = own, .instance = instance, .piece = -1};
     const kn_job_patch *p = kn_job_leaf_patch(plan, &leaf);
+    if (kn_job_is_clipped(plan->job, plan->surface, plan->cell, p->offset)) return KN_OK;
     kn_job_place place = kn_job_find_place(plan->job, plan->surface, plan->cell, p->offset);
     leaf.key.turn = (uint8_t)place.turn;
     if (p->inside) {

@@ -4,14 +4,17 @@
 
 #include <math.h>
 
-// One quarter turn about (1/2, 1/2): (u, v) -> (1 - v, u).
-static void turn_once(kn_bezier *d)
+// A quarter turn about (1/2, 1/2): (u, v) -> (1 - v, u).
+void kn_job_turn(double *u, size_t step, size_t n, int turn)
 {
-    size_t n = kn_bezier_count(d);
+    double *v = u + step, *w = v + step;
     for (size_t i = 0; i < n; i++) {
-        double u = d->coef[i];
-        d->coef[i] = 1.0 - d->coef[n + i];
-        d->coef[n + i] = u;
+        for (int k = 0; k < turn % KN_JOB_FLIP; k++) {
+            double before = u[i];
+            u[i] = 1.0 - v[i];
+            v[i] = before;
+        }
+        if (turn & KN_JOB_FLIP) v[i] = 1.0 - v[i], w[i] = -w[i];
     }
 }
 
@@ -24,7 +27,7 @@ kn_status kn_job_restrict(kn_ctx *ctx, kn_bezier *out, const kn_job_patch *patch
             status = kn_bezier_subdivide(ctx, &part[0], &part[1], &d, var, 0.5);
             if (status == KN_OK) kn_bezier_swap(&d, &part[(rect.index[var] >> l) & 1]);
         }
-    for (int k = 0; status == KN_OK && k < turn; k++) turn_once(&d);
+    if (status == KN_OK) kn_job_turn(d.coef, kn_bezier_count(&d), kn_bezier_count(&d), turn);
     if (status == KN_OK) kn_bezier_swap(out, &d);
     kn_bezier_clear(ctx, &part[0]);
     kn_bezier_clear(ctx, &part[1]);

@@ -119,7 +119,6 @@ static kn_status make_shell(kn_ctx *ctx, void *user, size_t index)
     for (int d = 0; d < 2; d++) {
         o.lines[d] = to->lines[d];
         o.nlines[d] = to->cells[d] + 1;
-        if (4 * to->cells[d] > 4096 && 4 * to->cells[d] > o.max_spans) o.max_spans = 4 * to->cells[d];
     }
     o.normal_tol = options->normal_tol;
     o.normal = options->normal;
@@ -135,6 +134,15 @@ static kn_status make_shell(kn_ctx *ctx, void *user, size_t index)
     return kn_shell_jacobian_bounds(ctx, &to->jacobian[0], &to->jacobian[1], to->shell, all->w[0], all->w[1]);
 }
 
+// Whether tiles may go on over an edge at which w turns over.
+static bool turns_over(const kn_job *job)
+{
+    for (int s = 0; s < job->nsurfaces; s++)
+        for (int e = 0; e < 4; e++)
+            if (kn_job_turns_over(e, &job->surfaces[s].partner[e])) return true;
+    return false;
+}
+
 kn_status kn_job_make_shells(kn_ctx *ctx, kn_job *job, const kn_job_bases *bases)
 {
     shells all = {job, bases, {INFINITY, -INFINITY}};
@@ -145,6 +153,10 @@ kn_status kn_job_make_shells(kn_ctx *ctx, kn_job *job, const kn_job_bases *bases
             all.w[0] = fmin(all.w[0], w[i]);
             all.w[1] = fmax(all.w[1], w[i]);
         }
+    }
+    if (turns_over(job)) {
+        double top = fmax(fabs(all.w[0]), fabs(all.w[1]));
+        all.w[0] = -top, all.w[1] = top;
     }
     kn_status status = fit_degrees(ctx, job, bases);
     if (status == KN_OK) status = kn_parallel(ctx, (size_t)job->nsurfaces, make_shell, &all, "shell");

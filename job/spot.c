@@ -81,17 +81,14 @@ static double into(double x, int cells, bool closed)
 kn_job_spot kn_job_find_spot(const kn_job *job, int surface, const int cell[2], const double uv[2])
 {
     int offset[2];
-    double part[2];
+    double part[3] = {0.0, 0.0, 0.0};
     for (int d = 0; d < 2; d++) {
         double at = on_grid(fmin(fmax(uv[d], -KN_JOB_MAX_REACH), KN_JOB_MAX_REACH + 1));
         offset[d] = (int)floor(at);
         part[d] = at - offset[d];
     }
     kn_job_place place = kn_job_find_place(job, surface, cell, offset);
-    for (int k = 0; k < place.turn; k++) {
-        double u = part[0];
-        part[0] = 1.0 - part[1], part[1] = u;
-    }
+    kn_job_turn(part, 1, 1, place.turn);
     kn_job_spot spot = {place.surface, {0.0, 0.0}}, all[MOST_NAMES];
     const kn_job_surface *s = &job->surfaces[place.surface];
     for (int d = 0; d < 2; d++) spot.x[d] = into(place.cell[d] + part[d], s->cells[d], s->closed[d]);
