@@ -199,7 +199,7 @@ static kn_status cut(kn_ctx *ctx, kn_slice_lines *out, const kn_slice_options *o
     return status;
 }
 
-kn_status kn_slice_patch(kn_ctx *ctx, kn_slice_lines *out, const kn_slice_options *o, const kn_patch_id *id,
+kn_status kn_slice_patch(kn_ctx *ctx, kn_slice_lines *out, const kn_slice_window *window, const kn_patch_id *id,
                          const kn_bezier *p, bool reversed)
 {
     size_t n = kn_bezier_count(p), from, to;
@@ -212,7 +212,7 @@ kn_status kn_slice_patch(kn_ctx *ctx, kn_slice_lines *out, const kn_slice_option
         lo = fmin(lo, z);
         hi = fmax(hi, z);
     }
-    kn_slice_planes(o, lo, hi, &from, &to);
+    kn_slice_planes(window, lo, hi, &from, &to);
     if (from == to) return KN_OK;
     bounds b = {0};
     edge edges[4] = {{0}};
@@ -223,7 +223,7 @@ kn_status kn_slice_patch(kn_ctx *ctx, kn_slice_lines *out, const kn_slice_option
     b.first = fmax(b.first, DBL_MIN), b.second = fmax(b.second, DBL_MIN);
     for (int k = 0; k < 4; k++) take_edge(&edges[k], p, k);
     for (size_t plane = from; status == KN_OK && plane < to; plane++)
-        status = cut(ctx, out, o, plane, id, p, edges, &b, reversed);
+        status = cut(ctx, out, &window->options, plane, id, p, edges, &b, reversed);
     for (int k = 0; k < 4; k++) kn_free(ctx, edges[k].changes.list);
     return status;
 }

@@ -76,12 +76,13 @@ double kn_slice_height(const kn_slice_options *o, size_t plane)
     return o->first + (double)plane * o->step;
 }
 
-void kn_slice_planes(const kn_slice_options *o, double lo, double hi, size_t *from, size_t *to)
+void kn_slice_planes(const kn_slice_window *w, double lo, double hi, size_t *from, size_t *to)
 {
-    double a = ceil((lo - o->first) / o->step) - 1.0, n = (double)o->count;
-    *from = *to = 0;
-    if (!(a < n)) return;
-    *from = a > 0.0 ? (size_t)a : 0;
-    while (*from < o->count && kn_slice_height(o, *from) <= lo) ++*from;
-    for (*to = *from; *to < o->count && kn_slice_height(o, *to) <= hi;) ++*to;
+    const kn_slice_options *o = &w->options;
+    double a = ceil((lo - o->first) / o->step) - 1.0;
+    *from = *to = w->end;
+    if (!(a < (double)w->end)) return;
+    *from = a > (double)w->first ? (size_t)a : w->first;
+    while (*from < w->end && kn_slice_height(o, *from) <= lo) ++*from;
+    for (*to = *from; *to < w->end && kn_slice_height(o, *to) <= hi;) ++*to;
 }

@@ -6,16 +6,16 @@
 #include <stdlib.h>
 
 typedef struct slicer {
-    kn_slice_options options;
+    kn_slice_window window;
     kn_slice_fn fn;
     void *user;
     kn_slice_lines lines;
 } slicer;
 
-static kn_status cut_patch(kn_ctx *ctx, kn_slice_lines *out, const kn_slice_options *o, const kn_patch *p)
+static kn_status cut_patch(kn_ctx *ctx, kn_slice_lines *out, const kn_slice_window *w, const kn_patch *p)
 {
-    if (p->mesh) return kn_slice_mesh(ctx, out, o, &p->id, p->mesh);
-    if (p->bezier.nvars == 2 && !p->trim) return kn_slice_patch(ctx, out, o, &p->id, &p->bezier, p->reversed);
+    if (p->mesh) return kn_slice_mesh(ctx, out, w, &p->id, p->mesh);
+    if (p->bezier.nvars == 2 && !p->trim) return kn_slice_patch(ctx, out, w, &p->id, &p->bezier, p->reversed);
     return KN_OK;
 }
 
@@ -25,7 +25,7 @@ static kn_status work(kn_ctx *ctx, void *user, const kn_patch_block *block, void
     kn_slice_lines *lines = kn_alloc_zero(ctx, 1, sizeof *lines);
     kn_status status = lines ? KN_OK : KN_ENOMEM;
     for (size_t i = 0; status == KN_OK && i < block->count; i++)
-        status = cut_patch(ctx, lines, &s->options, &block->patches[i]);
+        status = cut_patch(ctx, lines, &s->window, &block->patches[i]);
     if (status == KN_OK) {
         *product = lines;
     } else if (lines) {
@@ -65,10 +65,10 @@ static kn_status end(kn_ctx *ctx, void *user)
     kn_slice_lines *l = &s->lines;
     kn_status status = KN_OK;
     if (l->nlines > 0) qsort(l->list, l->nlines, sizeof *l->list, by_plane);
-    for (size_t plane = 0, at = 0; status == KN_OK && plane < s->options.count; plane++) {
+    for (size_t plane = s->window.first, at = 0; status == KN_OK && plane < s->window.end; plane++) {
         size_t n = 0;
         while (at + n < l->nlines && l->list[at + n].plane == plane) n++;
-        status = kn_slice_chain(ctx, l, n > 0 ? l->list + at : NULL, n, &s->options, plane, s->fn, s->user);
+        status = kn_slice_chain(ctx, l, n > 0 ? l->list + at : NULL, n, &s->window.options, plane, s->fn, s->user);
         at += n;
     }
     return status;
@@ -81,16 +81,28 @@ static void close_sink(kn_ctx *ctx, void *user)
     kn_free(ctx, s);
 }
 
-kn_status kn_slice_sink(kn_ctx *ctx, kn_sink *out, const kn_slice_options *o, kn_slice_fn fn, void *user)
+kn_status kn_slice_check(kn_ctx *ctx, const kn_slice_options *o)
 {
     if (!isfinite(o->first) || !(o->step > 0.0) || !isfinite(o->first + (double)o->count * o->step))
         return kn_fail(ctx, KN_EDOMAIN, "slice: layers from %g by %g", o->first, o->step);
     if (o->count < 1 || o->count > (size_t)1 << 20) return kn_fail(ctx, KN_EDOMAIN, "slice: %zu layers", o->count);
     if (!(o->tol > 0.0) || !isfinite(o->tol) || !(o->join >= 0.0) || !isfinite(o->join))
         return kn_fail(ctx, KN_EDOMAIN, "slice: tolerance %g, joining %g", o->tol, o->join);
+    return KN_OK;
+}
+
+kn_status kn_slice_window_sink(kn_ctx *ctx, kn_sink *out, const kn_slice_window *window, kn_slice_fn fn, void *user)
+{
     slicer *s = kn_alloc_zero(ctx, 1, sizeof *s);
     if (!s) return KN_ENOMEM;
-    *s = (slicer){.options = *o, .fn = fn, .user = user};
+    *s = (slicer){.window = *window, .fn = fn, .user = user};
     *out = (kn_sink){.user = s, .work = work, .commit = commit, .discard = discard, .end = end, .close = close_sink};
     return KN_OK;
+}
+
+kn_status kn_slice_sink(kn_ctx *ctx, kn_sink *out, const kn_slice_options *options, kn_slice_fn fn, void *user)
+{
+    kn_status status = kn_slice_check(ctx, options);
+    kn_slice_window all = {*options, 0, options->count};
+    return status == KN_OK ? kn_slice_window_sink(ctx, out, &all, fn, user) : status;
 }

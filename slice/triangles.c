@@ -15,10 +15,10 @@ static void cross(double out[2], const double *a, const double *b, double z)
 }
 
 // Material to the left: with z up and the outside in front, the contour runs so that what is above lies left.
-static kn_status cut(kn_ctx *ctx, kn_slice_lines *out, const kn_slice_options *o, size_t plane, const kn_patch_id *id,
+static kn_status cut(kn_ctx *ctx, kn_slice_lines *out, size_t plane, double z, const kn_patch_id *id,
                      const double *const corner[3])
 {
-    double z = kn_slice_height(o, plane), from[2] = {0}, to[2] = {0};
+    double from[2] = {0}, to[2] = {0};
     for (int k = 0; k < 3; k++) {
         const double *a = corner[k], *b = corner[(k + 1) % 3];
         bool above_a = a[2] >= z, above_b = b[2] >= z;
@@ -31,7 +31,7 @@ static kn_status cut(kn_ctx *ctx, kn_slice_lines *out, const kn_slice_options *o
     return status;
 }
 
-kn_status kn_slice_mesh(kn_ctx *ctx, kn_slice_lines *out, const kn_slice_options *o, const kn_patch_id *id,
+kn_status kn_slice_mesh(kn_ctx *ctx, kn_slice_lines *out, const kn_slice_window *w, const kn_patch_id *id,
                         const kn_mesh *mesh)
 {
     kn_status status = KN_OK;
@@ -41,9 +41,9 @@ kn_status kn_slice_mesh(kn_ctx *ctx, kn_slice_lines *out, const kn_slice_options
         double lo = fmin(corner[0][2], fmin(corner[1][2], corner[2][2]));
         double hi = fmax(corner[0][2], fmax(corner[1][2], corner[2][2]));
         size_t from, to;
-        kn_slice_planes(o, lo, hi, &from, &to);
+        kn_slice_planes(w, lo, hi, &from, &to);
         for (size_t plane = from; status == KN_OK && plane < to; plane++)
-            status = cut(ctx, out, o, plane, id, corner);
+            status = cut(ctx, out, plane, kn_slice_height(&w->options, plane), id, corner);
     }
     return status;
 }

@@ -192,8 +192,7 @@ kn_status read_model(reader *r, kn_mesh *out, char *text, size_t bytes)
     handle owner(model);
     if (NMR::lib3mf_model_queryreader(model, "3mf", &from) != 0) return fail(r, model);
     handle from_owner(from);
-    if (NMR::lib3mf_reader_readfrombuffer(from, reinterpret_cast<BYTE *>(text), bytes) != 0)
-        return fail(r, from);
+    if (NMR::lib3mf_reader_readfrombuffer(from, reinterpret_cast<BYTE *>(text), bytes) != 0) return fail(r, from);
     kn_status status = add_items(r, model);
     return status == KN_OK ? take(r, out) : status;
 }

@@ -19,7 +19,7 @@ struct kn_3mf_slices {
     NMR::PLib3MFModelMeshObject *object = nullptr;
     NMR::PLib3MFSliceStack *stack = nullptr;
     kn_out_file *file = nullptr;
-    double unit = 1.0, bottom = 0.0, top = 0.0; // of z, millimetres
+    double unit = 1.0, bottom = 0.0, above = 0.0, top = 0.0; // of z, millimetres
     float lo[2] = {FLT_MAX, FLT_MAX}, hi[2] = {-FLT_MAX, -FLT_MAX};
 };
 
@@ -125,14 +125,16 @@ kn_status write_model(kn_ctx *ctx, kn_3mf_slices *s)
 
 } // namespace
 
-kn_status kn_3mf_slices_create(kn_ctx *ctx, kn_3mf_slices **out, const char *path, double unit_mm, double bottom)
+kn_status kn_3mf_slices_create(kn_ctx *ctx, kn_3mf_slices **out, const char *path, double unit_mm, double bottom,
+                               double above)
 {
-    if (!(unit_mm > 0.0) || !std::isfinite(unit_mm) || !std::isfinite(bottom))
+    if (!(unit_mm > 0.0) || !std::isfinite(unit_mm) || !std::isfinite(bottom) || !std::isfinite(above))
         return kn_fail(ctx, KN_EDOMAIN, "3MF: a unit of %g mm, from z = %g", unit_mm, bottom);
     kn_3mf_slices *s = new (std::nothrow) kn_3mf_slices;
     if (!s) return kn_fail(ctx, KN_ENOMEM, "3MF: out of memory");
     s->unit = unit_mm;
     s->bottom = s->top = bottom * unit_mm;
+    s->above = above * unit_mm;
     kn_status status = kn_out_open(ctx, &s->file, path);
     if (status == KN_OK) status = open_model(ctx, s);
     if (status == KN_OK)
@@ -146,7 +148,7 @@ kn_status kn_3mf_slices_add(kn_ctx *ctx, void *stack, const kn_slice *layer)
 {
     kn_3mf_slices *s = static_cast<kn_3mf_slices *>(stack);
     NMR::PLib3MFSlice *slice = nullptr;
-    double z = layer->z * s->unit;
+    double z = layer->z * s->unit + s->above;
     if (!(static_cast<float>(z) > static_cast<float>(s->top)))
         return kn_fail(ctx, KN_EDOMAIN, "3MF: layer %zu at z = %g mm does not lie above the one before it",
                        layer->index, z);

@@ -13,11 +13,12 @@ extern "C" {
 // beside it is a box around it, for viewers that know no slices).
 typedef struct kn_3mf_slices kn_3mf_slices;
 
-// in:    unit_mm: millimetres in one length unit, above 0. bottom: z under the first layer, length units.
+// in:    unit_mm: millimetres in one length unit, above 0. bottom: z under the first layer, and above: how far the top
+//        of a layer lies above its contours' z; length units.
 // fails: KN_EDOMAIN, KN_EIO (the folder refuses a file), KN_ENOMEM; *out unchanged.
 KN_CHECKED kn_status kn_3mf_slices_create(kn_ctx *ctx, kn_3mf_slices **out, const char *path, double unit_mm,
-                                          double bottom);
-// Appends a layer's closed contours, as the material up to its z; a kn_slice_fn, user is the stack.
+                                          double bottom, double above);
+// Appends a layer's closed contours, as the material up to its top; a kn_slice_fn, user is the stack.
 // fails: KN_EDOMAIN z that does not increase, a coordinate beyond single precision; KN_EIO what lib3mf refuses.
 KN_CHECKED kn_status kn_3mf_slices_add(kn_ctx *ctx, void *stack, const kn_slice *layer);
 // Writes the file, which appears whole or not at all. *bytes: its size (NULL: not wanted).

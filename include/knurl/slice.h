@@ -50,6 +50,20 @@ typedef struct kn_slice_options {
 KN_API KN_CHECKED kn_status kn_slice_sink(kn_ctx *ctx, kn_sink *out, const kn_slice_options *options, kn_slice_fn fn,
                                           void *user);
 
+typedef struct kn_slice_job_report {
+    size_t groups;     // of layers
+    size_t cells;      // composed, each time that a group asked for it
+    size_t most_cells; // of one group
+} kn_slice_job_report;
+// Slices jobs (layers of one object: kn_job_run_layers) layer by layer: only cells near a layer are composed, for a
+// group of neighbouring layers at a time, and forgotten again.
+// in:     njobs >= 1, all of one object. report: NULL: not wanted.
+// fails:  as kn_slice_sink, kn_job_slabs_create, kn_job_run_cells; what fn answers.
+// memory: 8 bytes for each cell of the jobs, and the patches and contours of about 2000 cells, or of one layer.
+KN_API KN_CHECKED kn_status kn_slice_job(kn_ctx *ctx, const kn_job *const *jobs, int njobs,
+                                         const kn_slice_options *options, kn_slice_fn fn, void *user,
+                                         kn_slice_job_report *report);
+
 #ifdef __cplusplus
 }
 #endif
