@@ -145,25 +145,15 @@ kn_status kn_shell_take_fields(kn_ctx *ctx, kn_shell *s, const kn_shell_options 
 
 // ---- pieces ----
 
-kn_status kn_shell_cut(kn_ctx *ctx, kn_bezier **span, kn_bezier **cell, const kn_shell *shell, const kn_spline *f)
+kn_status kn_shell_cut(kn_ctx *ctx, kn_bezier **span, const kn_shell *shell, const kn_spline *f)
 {
     kn_spline fine = {0};
-    kn_bezier *spans = NULL, *cells = NULL;
-    size_t nspans = 0, ncells = 0;
+    size_t nspans = 0;
     kn_status status = kn_spline_copy(ctx, &fine, f);
     for (int v = 0; v < 2 && status == KN_OK; v++)
         status = insert_breaks(ctx, &fine, v, shell->knot[v], shell->nknots[v]);
-    if (status == KN_OK) status = kn_spline_to_bezier(ctx, &spans, &nspans, &fine);
-    for (int v = 0; v < 2 && status == KN_OK; v++)
-        status = insert_breaks(ctx, &fine, v, shell->line[v], shell->nlines[v]);
-    if (status == KN_OK) status = kn_spline_to_bezier(ctx, &cells, &ncells, &fine);
+    if (status == KN_OK) status = kn_spline_to_bezier(ctx, span, &nspans, &fine);
     kn_spline_clear(ctx, &fine);
-    if (status == KN_OK) {
-        *span = spans, *cell = cells;
-        return KN_OK;
-    }
-    for (size_t i = 0; i < nspans; i++) kn_bezier_clear(ctx, &spans[i]);
-    kn_free(ctx, spans);
     return status;
 }
 

@@ -100,18 +100,50 @@ static kn_status reserve(kn_ctx *ctx, kn_grid_axis *g, int ncuts)
     return KN_OK;
 }
 
+static int most_cuts(const kn_shell *shell, int var)
+{
+    return KN_GRID_LINES + 2 * shell->nknots[var];
+}
+
+// Line j of n parts of `cells` cells, the same ones counted from either end: two surfaces that share an edge, whose
+// lines meet there, choose the same.
+static int spread_line(int cells, int n, int j)
+{
+    if (2 * j > n) return cells - spread_line(cells, n, n - j);
+    return (int)((2 * (int64_t)j * cells + n) / (2 * (int64_t)n));
+}
+
+// All lines, or of each span of S a share of KN_GRID_LINES: so many suffice mostly, and n does not grow with the
+// number of cells.
+static int choose_lines(double *cut, const kn_shell *s, int var)
+{
+    const double *line = s->line[var], *knot = s->knot[var];
+    int total = s->nlines[var] - 1, n = 0;
+    for (int k = 0, first = 0, last; k + 1 < s->nknots[var]; k++, first = last) {
+        for (last = first; line[last] < knot[k + 1];) last++;
+        int cells = last - first, parts = cells;
+        if (total > KN_GRID_LINES) {
+            parts = (int)((2 * (int64_t)KN_GRID_LINES * cells + total) / (2 * (int64_t)total));
+            parts = parts < 1 ? 1 : parts > cells ? cells : parts;
+            if (parts % 2 == 0 && cells % 2 == 1) parts--; // no line is in the middle
+        }
+        for (int j = 0; j < parts; j++) cut[n++] = line[first + spread_line(cells, parts, j)];
+    }
+    cut[n++] = line[total];
+    return n;
+}
+
 kn_status kn_grid_init(kn_ctx *ctx, kn_grid_axis *g, const kn_shell *shell, int var)
 {
     const kn_spline *s = &shell->surface;
-    int n = shell->nlines[var];
-    *g = (kn_grid_axis){0};
+    int n = shell->nlines[var] < most_cuts(shell, var) ? shell->nlines[var] : most_cuts(shell, var);
+    *g = (kn_grid_axis){.line = shell->line[var], .nlines = shell->nlines[var]};
     kn_mark mark = kn_scratch_mark(ctx);
     int *times = kn_scratch(ctx, (size_t)shell->nknots[var], sizeof *times);
     kn_status status = times ? reserve(ctx, g, n) : KN_ENOMEM;
     if (status == KN_OK) {
         kn_knots_breaks(NULL, times, s->knots[var], s->degree[var], s->count[var]);
-        memcpy(g->cut, shell->line[var], (size_t)n * sizeof *g->cut);
-        g->ncuts = n;
+        n = g->ncuts = choose_lines(g->cut, shell, var);
         for (int i = 0, k = 0; i < n; i++) {
             bool knot = k < shell->nknots[var] && g->cut[i] == shell->knot[var][k];
             bool interior = i > 0 && i < n - 1;
@@ -122,6 +154,20 @@ kn_status kn_grid_init(kn_ctx *ctx, kn_grid_axis *g, const kn_shell *shell, int 
     kn_scratch_release(ctx, mark);
     if (status != KN_OK) kn_grid_clear(ctx, g);
     return status;
+}
+
+// The cell line between a and b that is nearest to their middle; that itself where there is none.
+static double middle_line(const kn_grid_axis *g, double a, double b)
+{
+    double middle = a + 0.5 * (b - a), best = middle, off = INFINITY;
+    int at = kn_interval(g->line, g->nlines, middle);
+    for (int i = at; i <= at + 1 && i < g->nlines; i++) {
+        double x = g->line[i];
+        if (!(x > a && x < b) || !(fabs(x - middle) < off)) continue;
+        off = fabs(x - middle);
+        best = x;
+    }
+    return best;
 }
 
 kn_status kn_grid_split(kn_ctx *ctx, kn_grid_axis *g, const char *split)
@@ -135,7 +181,7 @@ kn_status kn_grid_split(kn_ctx *ctx, kn_grid_axis *g, const char *split)
         g->cut[to] = g->cut[i];
         g->smooth[to--] = g->smooth[i];
         if (i > 0 && split[i - 1]) {
-            g->cut[to] = g->cut[i - 1] + 0.5 * (g->cut[i] - g->cut[i - 1]);
+            g->cut[to] = middle_line(g, g->cut[i - 1], g->cut[i]);
             g->smooth[to--] = KN_SMOOTH;
         }
     }

@@ -14,11 +14,10 @@ typedef struct kn_direction {
     int order[2][2]; // [variable][end]: how often x or (1 - x) was divided out
 } kn_direction;
 
-// A spline that T is made of, beside n: whole, over the knot spans of S, and over the cells. Its knots are knots of
-// S.
+// A spline that T is made of, beside n: whole, and over the knot spans of S. Its knots are knots of S.
 typedef struct kn_shell_field {
     kn_spline whole;
-    kn_bezier *span, *cell; // nspans and ncells of them
+    kn_bezier *span; // nspans of them
     int power;              // of w
 } kn_shell_field;
 
@@ -50,11 +49,15 @@ struct kn_shell {
     int nlines[2];
     double *knot[2]; // distinct knots of S: the borders of `direction` and `span`
     int nknots[2];
-    double *cut[2]; // distinct knots of n (without n: the lines): the borders of `normal_piece` and `certificates`
+    // Distinct knots of n: the borders of `normal_piece` and `certificates`. Knots of S are among them, and every cell
+    // lies between two that are neighbours unless it has one inside. Without n: the knots of S.
+    double *cut[2];
     int ncuts[2];
+    double *box[2]; // lines and cuts together: the borders of kn_shell_jacobian_grid
+    int nboxes[2];  // intervals
     kn_direction *direction;
-    kn_bezier *span, *cell, *normal_piece; // pieces of S over its knot spans and over cells, and of n
-    size_t ndirections, nspans, ncells, nnormal_pieces;
+    kn_bezier *span, *normal_piece; // pieces of S over its knot spans, and of n
+    size_t ndirections, nspans, nnormal_pieces;
     kn_normal_certificate *certificates; // one for each of normal_piece
     kn_normal_certificate certificate;   // of all of them
 };
@@ -96,14 +99,16 @@ kn_shell_edge kn_edge_of(const kn_shell *shell, int var, int end);
 // ---- shell.c ----
 // Lines, closed directions and pieces, from the surface, the fields and the options' lines.
 kn_status kn_shell_set_grid(kn_ctx *ctx, kn_shell *shell, const kn_shell_options *options);
+// box[] from lines and cuts.
+kn_status kn_shell_set_boxes(kn_ctx *ctx, kn_shell *shell);
 // kn_shell_options with its defaults resolved.
 kn_status kn_shell_resolve(kn_ctx *ctx, kn_shell_options *out, const kn_shell_options *options);
 
 // ---- fields.c ----
 // thickness and field[] from the options, checked; their knots become knots of shell->surface.
 kn_status kn_shell_take_fields(kn_ctx *ctx, kn_shell *shell, const kn_shell_options *options);
-// The pieces of f over the spans and over the cells of the shell, whose grid is there.
-kn_status kn_shell_cut(kn_ctx *ctx, kn_bezier **span, kn_bezier **cell, const kn_shell *shell, const kn_spline *f);
+// The pieces of f over the spans of the shell, whose knots are there.
+kn_status kn_shell_cut(kn_ctx *ctx, kn_bezier **span, const kn_shell *shell, const kn_spline *f);
 // f is the same at both ends of variable var, to 1e-12 of its size and the rounding of its coordinates; of a rational
 // f so are the weights.
 kn_status kn_shell_ends_meet(kn_ctx *ctx, bool *meet, const kn_spline *f, int var);
@@ -166,6 +171,8 @@ void kn_sample_errors(double *length, double *angle, const kn_bezier *m, const k
 // One variable of the fitted normal: the lines, how often n is differentiable across each, and what follows from a
 // degree: knots, sites and the span of n and of S that serve each site.
 typedef struct kn_grid_axis {
+    const double *line; // of the shell: where cells end
+    int nlines;
     int ncuts, room;
     double *cut;
     int *smooth; // -1: n jumps; KN_SMOOTH: no limit but the degree
@@ -174,10 +181,12 @@ typedef struct kn_grid_axis {
     int *site_span, *site_knot_span;
 } kn_grid_axis;
 enum { KN_SMOOTH = 1000 };
+// The knots of S and cell lines: all of them, or about KN_GRID_LINES spread over the spans where there are more.
+enum { KN_GRID_LINES = 64 };
 kn_status kn_grid_init(kn_ctx *ctx, kn_grid_axis *g, const kn_shell *shell, int var);
 void kn_grid_clear(kn_ctx *ctx, kn_grid_axis *g);
 kn_status kn_grid_set_degree(kn_ctx *ctx, kn_grid_axis *g, int degree, const double *breaks, int nbreaks);
-// Halves the intervals i with split[i].
+// Cuts the intervals i with split[i]: at the cell line nearest to the middle, or there where a cell has none inside.
 kn_status kn_grid_split(kn_ctx *ctx, kn_grid_axis *g, const char *split);
 
 // ---- fit.c ----
@@ -231,8 +240,9 @@ typedef struct kn_box_map {
 // *out: its j, error, denominator, and where `divided` also order and flat; the rest is left as it is.
 kn_status kn_jacobian_of(kn_ctx *ctx, kn_shell_jacobian_piece *out, const kn_box_map *map, bool divided);
 // ---- jacobian_piece.c ----
-// kn_shell_jacobian_piece_init; not divided: det itself, poles and all.
-kn_status kn_jacobian_box(kn_ctx *ctx, kn_shell_jacobian_piece *out, const kn_shell *shell, const int at[3],
-                          bool divided);
+// kn_shell_jacobian_piece_init over an interval of `breaks` in u and v, which the shell's cuts do not divide; not
+// divided: det itself, poles and all.
+kn_status kn_jacobian_box(kn_ctx *ctx, kn_shell_jacobian_piece *out, const kn_shell *shell, double *const breaks[2],
+                          const int at[3], bool divided);
 
 #endif

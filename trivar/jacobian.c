@@ -22,7 +22,7 @@ static kn_status take_box(kn_ctx *ctx, boxes *b, const kn_shell *shell, size_t i
     int at[3] = {(int)(index / (size_t)b->count[2] / (size_t)b->count[1]),
                  (int)(index / (size_t)b->count[2] % (size_t)b->count[1]), (int)(index % (size_t)b->count[2])};
     kn_shell_jacobian_piece p = {0};
-    kn_status status = kn_jacobian_box(ctx, &p, shell, at, false);
+    kn_status status = kn_jacobian_box(ctx, &p, shell, shell->box, at, false);
     if (status == KN_OK && !b->piece) {
         b->terms = p.j.ncomp, b->nvars = p.j.nvars;
         b->piece = kn_alloc_zero(ctx, b->n * (size_t)b->terms, sizeof *b->piece);

@@ -164,14 +164,15 @@ kn_status kn_shell_jacobian_bounds(kn_ctx *ctx, double *lo, double *hi, const kn
     double reach = part * (a.wanted.hi - a.wanted.lo);
     a.wanted.lo -= reach, a.wanted.hi += reach;
     int boxes[3], at[3];
-    kn_shell_jacobian_grid(shell, boxes);
+    kn_shell_jacobian_grid(shell, boxes); // in w; cells do not divide T
+    for (int v = 0; v < 2; v++) boxes[v] = shell->ncuts[v] - 1;
     size_t n = (size_t)boxes[0] * (size_t)boxes[1] * (size_t)boxes[2];
     for (size_t k = 0; k < n && status == KN_OK; k++) {
         kn_shell_jacobian_piece q = {0};
         at[2] = (int)(k % (size_t)boxes[2]);
         at[1] = (int)(k / (size_t)boxes[2] % (size_t)boxes[1]);
         at[0] = (int)(k / (size_t)boxes[2] / (size_t)boxes[1]);
-        status = kn_jacobian_box(ctx, &q, shell, at, false);
+        status = kn_jacobian_box(ctx, &q, shell, shell->cut, at, false);
         bool none = false;
         if (status == KN_OK && q.j.nvars == 3)
             status = cut_heights(ctx, &q, &none, a.w, at[2] == 0, at[2] == boxes[2] - 1);

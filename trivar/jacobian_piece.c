@@ -15,7 +15,7 @@ void kn_shell_jacobian_piece_clear(kn_ctx *ctx, kn_shell_jacobian_piece *piece)
 
 void kn_shell_jacobian_grid(const kn_shell *shell, int boxes[3])
 {
-    for (int v = 0; v < 2; v++) boxes[v] = shell->ncuts[v] - 1;
+    for (int v = 0; v < 2; v++) boxes[v] = shell->nboxes[v];
     boxes[2] = shell->volume.coef ? kn_spline_spans(&shell->volume, 2) : 1;
 }
 
@@ -95,11 +95,11 @@ typedef struct place {
     double lo[2], hi[2], middle[2]; // the middle in the parameters of T
 } place;
 
-static place locate(kn_box_map *map, const kn_shell *s, const int at[2])
+static place locate(kn_box_map *map, const kn_shell *s, const double lo[2], const double hi[2])
 {
     place p = {0};
     for (int v = 0; v < 2; v++) {
-        const double *cut = s->cut[v] + at[v], *knot = s->knot[v];
+        const double cut[2] = {lo[v], hi[v]}, *knot = s->knot[v];
         int from = kn_interval(knot, s->nknots[v], cut[0]);
         double a = knot[from], width = knot[from + 1] - a;
         p.lo[v] = (cut[0] - a) / width;
@@ -159,14 +159,29 @@ static kn_status take_thickness(kn_ctx *ctx, kn_box_map *map, const kn_shell *s,
     return status;
 }
 
-static kn_status take_terms(kn_ctx *ctx, kn_box_map *map, const kn_shell *s, const int at[2])
+// n over the box, which lies between two of its knots.
+static kn_status take_normal(kn_ctx *ctx, kn_bezier *out, const kn_shell *s, const double lo[2], const double hi[2])
 {
-    place p = locate(map, s, at);
+    size_t piece = 0;
+    double from[2], to[2];
+    for (int v = 0; v < 2; v++) {
+        int at = kn_interval(s->cut[v], s->ncuts[v], lo[v]);
+        double a = s->cut[v][at], b = s->cut[v][at + 1];
+        from[v] = (lo[v] - a) / (b - a);
+        to[v] = hi[v] == b ? 1.0 : (hi[v] - a) / (b - a);
+        piece = v == 0 ? (size_t)at : piece * (size_t)(s->ncuts[1] - 1) + (size_t)at;
+    }
+    return kn_bezier_restrict(ctx, out, &s->normal_piece[piece], from, to);
+}
+
+static kn_status take_terms(kn_ctx *ctx, kn_box_map *map, const kn_shell *s, const double lo[2], const double hi[2])
+{
+    place p = locate(map, s, lo, hi);
     double vector, weight;
     map->nvars = 2, map->nterms = 1;
     kn_status status = take_surface(ctx, map, s, &p);
     if (status == KN_OK && s->normal.coef) {
-        status = kn_bezier_copy(ctx, &map->term[1], &s->normal_piece[at[0] * (s->ncuts[1] - 1) + at[1]]);
+        status = take_normal(ctx, &map->term[1], s, lo, hi);
         acting(&vector, &weight, &s->normal, p.middle);
         map->error[1] = extraction(&s->normal) * vector;
         map->same[1] = same_points(&s->normal, p.middle, 0, 3);
@@ -232,19 +247,19 @@ static void heights(double *lo, double *hi, const kn_spline *volume, int at)
         if (t[k] < t[k + 1] && ++seen == at) *lo = t[k], *hi = t[k + 1];
 }
 
-kn_status kn_jacobian_box(kn_ctx *ctx, kn_shell_jacobian_piece *out, const kn_shell *shell, const int at[3],
-                          bool divided)
+kn_status kn_jacobian_box(kn_ctx *ctx, kn_shell_jacobian_piece *out, const kn_shell *shell, double *const breaks[2],
+                          const int at[3], bool divided)
 {
     kn_box_map map = {0};
     kn_shell_jacobian_piece p = {.lo = {0.0, 0.0, -INFINITY}, .hi = {0.0, 0.0, INFINITY}};
     for (int v = 0; v < 2; v++) {
-        p.lo[v] = shell->cut[v][at[v]];
-        p.hi[v] = shell->cut[v][at[v] + 1];
+        p.lo[v] = breaks[v][at[v]];
+        p.hi[v] = breaks[v][at[v] + 1];
         p.cell[v] = kn_interval(shell->line[v], shell->nlines[v], p.lo[v]);
     }
     if (shell->volume.coef) heights(&p.lo[2], &p.hi[2], &shell->volume, at[2]);
     kn_status status = shell->volume.coef ? take_volume(ctx, &map, shell, p.lo, p.hi)
-                                          : take_terms(ctx, &map, shell, at);
+                                          : take_terms(ctx, &map, shell, p.lo, p.hi);
     if (status == KN_OK) status = kn_jacobian_of(ctx, &p, &map, divided);
     clear_map(ctx, &map);
     if (status == KN_OK)
@@ -262,5 +277,5 @@ kn_status kn_shell_jacobian_piece_init(kn_ctx *ctx, kn_shell_jacobian_piece *out
     for (int v = 0; v < 3; v++)
         if (box[v] < 0 || box[v] >= boxes[v])
             return kn_fail(ctx, KN_EDOMAIN, "shell: box %d of %d in variable %d", box[v], boxes[v], v);
-    return kn_jacobian_box(ctx, out, shell, box, true);
+    return kn_jacobian_box(ctx, out, shell, shell->box, box, true);
 }

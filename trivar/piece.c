@@ -10,8 +10,6 @@ typedef struct box {
     double lo[2], hi[2], slack[2]; // slack: what counts as rounding along each variable
     int span[2];                   // of S
     int cut[2];                    // of n
-    int cell[2];                   // when whole
-    bool whole;                    // exactly one cell
     bool plain;                    // inside the domain, without a knot of n in its interior
     bool inside;                   // inside the domain
     bool crosses[2];               // a knot of S in its interior
@@ -56,8 +54,6 @@ static void place(box *b, const kn_shell *s, int v, int cell, double lo, double 
     const double *line = s->line[v];
     double first = line[0], last = line[cells];
     double a = between(line[cell], line[cell + 1], lo), c = between(line[cell], line[cell + 1], hi);
-    b->whole = b->whole && lo == 0.0 && hi == 1.0;
-    b->cell[v] = cell;
     if (s->closed[v] && a >= last) a -= last - first, c -= last - first;
     if (s->closed[v] && c <= first) a += last - first, c += last - first;
     b->slack[v] = fmin(0x1p-46 * (fabs(first) + fabs(last)), 1e-6 * (c - a));
@@ -171,12 +167,11 @@ static kn_status with_weight(kn_ctx *ctx, kn_bezier *out, const kn_bezier *n, co
     return status;
 }
 
-// A field over the box: of the cell that the box is, or of the span that it lies in, extended.
-static kn_status over_box(kn_ctx *ctx, kn_bezier *out, const kn_bezier *span, const kn_bezier *cell,
-                          const kn_shell *s, const box *b)
+// A field over the box: of the span that it lies in, extended. Coefficients along an edge are rows of the restriction
+// that depend on where that edge lies alone: boxes that share it get the same ones, bit for bit.
+static kn_status over_box(kn_ctx *ctx, kn_bezier *out, const kn_bezier *span, const kn_shell *s, const box *b)
 {
     double lo[2], hi[2];
-    if (b->whole) return kn_bezier_copy(ctx, out, &cell[b->cell[0] * (s->nlines[1] - 1) + b->cell[1]]);
     to_local(lo, hi, b, s->knot, b->span);
     return restricted(ctx, out, &span[b->span[0] * (s->nknots[1] - 1) + b->span[1]], lo, hi);
 }
@@ -197,7 +192,7 @@ static kn_status add_term(kn_ctx *ctx, kn_shell_piece *p, kn_bezier *f, int powe
 static kn_status thicken(kn_ctx *ctx, kn_shell_piece *p, kn_bezier *n, const kn_shell *s, const box *b)
 {
     kn_bezier h = {0};
-    kn_status status = over_box(ctx, &h, s->thickness.span, s->thickness.cell, s, b);
+    kn_status status = over_box(ctx, &h, s->thickness.span, s, b);
     if (status == KN_OK) status = kn_bezier_product(ctx, n, &h, n);
     if (status == KN_OK) p->deviation *= kn_largest_vector(&h, 0, 1) * (1.0 + 0x1p-40); // and h's own rounding
     kn_bezier_clear(ctx, &h);
@@ -207,13 +202,13 @@ static kn_status thicken(kn_ctx *ctx, kn_shell_piece *p, kn_bezier *n, const kn_
 static kn_status make_terms(kn_ctx *ctx, kn_shell_piece *p, kn_bezier *n, const kn_shell *s, const box *b)
 {
     kn_bezier f = {0};
-    kn_status status = over_box(ctx, &p->term[0], s->span, s->cell, s, b);
+    kn_status status = over_box(ctx, &p->term[0], s->span, s, b);
     p->nterms = 1;
     if (status == KN_OK && n->coef && s->thickness.whole.coef) status = thicken(ctx, p, n, s, b);
     if (status == KN_OK && n->coef) status = add_term(ctx, p, n, 1, false);
     for (int k = 0; k < s->nfields && status == KN_OK; k++) {
         const kn_shell_field *field = &s->field[k];
-        status = over_box(ctx, &f, field->span, field->cell, s, b);
+        status = over_box(ctx, &f, field->span, s, b);
         if (status == KN_OK) status = add_term(ctx, p, &f, field->power, s->homogeneous);
     }
     kn_bezier_clear(ctx, &f);
@@ -225,7 +220,7 @@ kn_status kn_shell_piece_init(kn_ctx *ctx, kn_shell_piece *out, bool *fits, cons
 {
     kn_shell_piece p = {.exact = true, .normal = shell->certificate};
     kn_bezier n = {0};
-    box b = {.whole = true, .plain = true, .inside = true};
+    box b = {.plain = true, .inside = true};
     if (!kn_shell_has_terms(shell)) return kn_fail(ctx, KN_EDOMAIN, "shell piece: the volume has knots in w");
     for (int v = 0; v < 2; v++) {
         if (!(lo[v] < hi[v]) || !isfinite(hi[v] - lo[v]))

@@ -8,7 +8,7 @@
 #include <string.h>
 
 static const double default_tol = 1e-6;
-enum { DEFAULT_DEGREE = 5, DEFAULT_SPANS = 4096, HIGHEST_DEGREE = 12 };
+enum { DEFAULT_DEGREE = 5, DEFAULT_SPANS = 4096, HIGHEST_DEGREE = 12, MOST_CELLS = 1 << 24 };
 
 kn_shell_options kn_shell_defaults(void)
 {
@@ -27,7 +27,6 @@ static void clear_field(kn_ctx *ctx, const kn_shell *shell, kn_shell_field *f)
 {
     kn_spline_clear(ctx, &f->whole);
     clear_pieces(ctx, f->span, shell->nspans);
-    clear_pieces(ctx, f->cell, shell->ncells);
 }
 
 void kn_shell_destroy(kn_ctx *ctx, kn_shell *shell)
@@ -43,13 +42,13 @@ void kn_shell_destroy(kn_ctx *ctx, kn_shell *shell)
     kn_free(ctx, shell->direction);
     clear_pieces(ctx, shell->span, shell->nspans);
     clear_pieces(ctx, shell->local_span, shell->nspans);
-    clear_pieces(ctx, shell->cell, shell->ncells);
     clear_pieces(ctx, shell->normal_piece, shell->nnormal_pieces);
     kn_free(ctx, shell->certificates);
     for (int v = 0; v < 2; v++) {
         kn_free(ctx, shell->line[v]);
         kn_free(ctx, shell->knot[v]);
         kn_free(ctx, shell->cut[v]);
+        kn_free(ctx, shell->box[v]);
     }
     kn_free(ctx, shell);
 }
@@ -122,9 +121,10 @@ static kn_status set_lines(kn_ctx *ctx, kn_shell *s, const kn_shell_options *o)
         bool given = o->lines[v] != NULL;
         int n = given ? o->nlines[v] : s->nknots[v];
         if (n < 2) return kn_fail(ctx, KN_EDOMAIN, "shell: %d cell lines in variable %d", n, v);
-        if (n - 1 > o->max_spans)
-            return kn_fail(ctx, KN_ELIMIT, "shell: %d cells in variable %d above max_spans %d", n - 1, v,
-                           o->max_spans);
+        if (s->nknots[v] - 1 > o->max_spans)
+            return kn_fail(ctx, KN_ELIMIT, "shell: %d knot spans in variable %d above max_spans %d", s->nknots[v] - 1,
+                           v, o->max_spans);
+        if (n - 1 > MOST_CELLS) return kn_fail(ctx, KN_ELIMIT, "shell: %d cells in variable %d", n - 1, v);
         kn_status status = take_lines(ctx, s, v, given ? o->lines[v] : s->knot[v], n);
         if (status != KN_OK) return status;
     }
@@ -135,16 +135,15 @@ static kn_status set_lines(kn_ctx *ctx, kn_shell *s, const kn_shell_options *o)
 
 static kn_status cut_field(kn_ctx *ctx, const kn_shell *s, kn_shell_field *f)
 {
-    return f->whole.coef ? kn_shell_cut(ctx, &f->span, &f->cell, s, &f->whole) : KN_OK;
+    return f->whole.coef ? kn_shell_cut(ctx, &f->span, s, &f->whole) : KN_OK;
 }
 
 static kn_status cut_all(kn_ctx *ctx, kn_shell *s)
 {
     size_t spans = (size_t)(s->nknots[0] - 1) * (size_t)(s->nknots[1] - 1);
-    size_t cells = (size_t)(s->nlines[0] - 1) * (size_t)(s->nlines[1] - 1);
-    kn_status status = kn_shell_cut(ctx, &s->span, &s->cell, s, &s->surface);
+    kn_status status = kn_shell_cut(ctx, &s->span, s, &s->surface);
     if (status != KN_OK) return status;
-    s->nspans = spans, s->ncells = cells;
+    s->nspans = spans;
     status = cut_field(ctx, s, &s->thickness);
     for (int k = 0; k < s->nfields && status == KN_OK; k++) status = cut_field(ctx, s, &s->field[k]);
     return status;
@@ -181,6 +180,25 @@ static kn_status find_closed(kn_ctx *ctx, kn_shell *s)
     return KN_OK;
 }
 
+kn_status kn_shell_set_boxes(kn_ctx *ctx, kn_shell *s)
+{
+    for (int v = 0; v < 2; v++) {
+        double *box = kn_alloc(ctx, (size_t)s->nlines[v] + (size_t)s->ncuts[v], sizeof *box);
+        if (!box) return KN_ENOMEM;
+        int n = 0;
+        for (int i = 0, k = 0; i < s->nlines[v] || k < s->ncuts[v];) {
+            double line = i < s->nlines[v] ? s->line[v][i] : INFINITY,
+                   cut = k < s->ncuts[v] ? s->cut[v][k] : INFINITY;
+            box[n++] = fmin(line, cut);
+            i += line <= cut;
+            k += cut <= line;
+        }
+        s->box[v] = box;
+        s->nboxes[v] = n - 1;
+    }
+    return KN_OK;
+}
+
 kn_status kn_shell_set_grid(kn_ctx *ctx, kn_shell *shell, const kn_shell_options *options)
 {
     kn_status status = set_lines(ctx, shell, options);
@@ -189,13 +207,13 @@ kn_status kn_shell_set_grid(kn_ctx *ctx, kn_shell *shell, const kn_shell_options
     if (status == KN_OK) status = make_local(ctx, shell);
     if (status != KN_OK || shell->kind == KN_SHELL_NORMAL) return status;
     for (int v = 0; v < 2 && status == KN_OK; v++) {
-        shell->cut[v] = kn_alloc(ctx, (size_t)shell->nlines[v], sizeof *shell->cut[v]);
+        shell->cut[v] = kn_alloc(ctx, (size_t)shell->nknots[v], sizeof *shell->cut[v]);
         if (!shell->cut[v]) return KN_ENOMEM;
-        memcpy(shell->cut[v], shell->line[v], (size_t)shell->nlines[v] * sizeof *shell->cut[v]);
-        shell->ncuts[v] = shell->nlines[v];
+        memcpy(shell->cut[v], shell->knot[v], (size_t)shell->nknots[v] * sizeof *shell->cut[v]);
+        shell->ncuts[v] = shell->nknots[v];
     }
     shell->certificate = (kn_normal_certificate){.certified = true};
-    return KN_OK;
+    return kn_shell_set_boxes(ctx, shell);
 }
 
 kn_status kn_shell_create(kn_ctx *ctx, kn_shell **out, const kn_spline *surface, const kn_shell_options *options)
@@ -216,6 +234,7 @@ kn_status kn_shell_create(kn_ctx *ctx, kn_shell **out, const kn_spline *surface,
         status = kn_shell_make_directions(ctx, s);
         if (status == KN_OK) status = kn_shell_limit_degree(ctx, &o.max_degree, s);
         if (status == KN_OK) status = kn_refine_normal(ctx, s, o.max_degree, o.max_spans);
+        if (status == KN_OK) status = kn_shell_set_boxes(ctx, s);
         if (status == KN_OK) kn_shell_open_seams(s);
     }
     if (status == KN_OK)
