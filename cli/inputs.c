@@ -23,6 +23,7 @@ int cli_read_base(cli_session *session, cli_base *out, const char *path, bool vo
     kn_status status = kn_read_model(ctx, &model, path);
     if (status != KN_OK) return cli_fail(session, status, true);
     int found = model.nsplines;
+    kn_mesh_clear(ctx, &model.mesh);
     out->nsurfaces = keep_surfaces(ctx, &model, volumes);
     out->surfaces = model.splines;
     if (out->nsurfaces > 0 && out->nsurfaces < found)

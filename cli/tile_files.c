@@ -138,6 +138,7 @@ static kn_status read_part(kn_ctx *ctx, void *user, kn_tile_part *part, const ch
     kn_status status = kn_read_model(ctx, &model, path);
     part->splines = model.splines;
     part->nsplines = model.nsplines;
+    part->mesh = model.mesh;
     return status;
 }
 

@@ -10,6 +10,7 @@ void kn_model_clear(kn_ctx *ctx, kn_model *model)
 {
     for (int i = 0; i < model->nsplines; i++) kn_spline_clear(ctx, &model->splines[i]);
     kn_free(ctx, model->splines);
+    kn_mesh_clear(ctx, &model->mesh);
     *model = (kn_model){0};
 }
 

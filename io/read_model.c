@@ -22,5 +22,6 @@ kn_status kn_read_model(kn_ctx *ctx, kn_model *out, const char *path)
 {
     if (ends_in(path, ".bpt")) return kn_read_bpt(ctx, out, path);
     if (ends_in(path, ".g2")) return kn_read_g2(ctx, out, path);
-    return kn_fail(ctx, KN_EDOMAIN, "%s: no reader for this ending; .bpt and .g2 are read", path);
+    if (ends_in(path, ".itd")) return kn_read_itd(ctx, out, path);
+    return kn_fail(ctx, KN_EDOMAIN, "%s: no reader for this ending; .bpt, .g2 and .itd are read", path);
 }

@@ -38,11 +38,28 @@ bool kn_scan_at_end(kn_scan *scan)
     return scan->at == scan->end;
 }
 
+// Behind the bracket, the quoted text or the word at scan->at.
+static void skip_bracketed(kn_scan *scan)
+{
+    if (*scan->at == '"') {
+        for (scan->at++; scan->at < scan->end && *scan->at != '"'; scan->at++)
+            if (*scan->at == '\n' && scan->line < INT_MAX) scan->line++;
+        scan->at += scan->at < scan->end;
+        return;
+    }
+    if (*scan->at == '[' || *scan->at == ']') {
+        scan->at++;
+        return;
+    }
+    while (scan->at < scan->end && !is_space(*scan->at) && *scan->at != '[' && *scan->at != ']') scan->at++;
+}
+
 bool kn_scan_word(kn_scan *scan)
 {
     bool found = !kn_scan_at_end(scan);
     scan->word = scan->at;
-    while (scan->at < scan->end && !is_space(*scan->at)) scan->at++;
+    if (found && scan->brackets) skip_bracketed(scan);
+    while (!scan->brackets && scan->at < scan->end && !is_space(*scan->at)) scan->at++;
     scan->length = (size_t)(scan->at - scan->word);
     return found;
 }

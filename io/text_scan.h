@@ -18,6 +18,7 @@ typedef struct kn_scan {
     const char *kind; // of object: "patch"
     int object;       // counted from 1, 0: none
     size_t item;      // counted from 1, 0: none
+    bool brackets;    // '[' and ']' are words of their own, and "..." is one with the quotes
 } kn_scan;
 
 kn_scan kn_scan_start(kn_ctx *ctx, const char *name, const char *text, size_t bytes);

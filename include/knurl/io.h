@@ -11,10 +11,12 @@
 extern "C" {
 #endif
 
-// What a reader found: splines of any kinds in file order. A zero-initialised kn_model is a valid empty one.
+// What a reader found: splines of any kinds in file order, and polygons as triangles. A zero-initialised kn_model is a
+// valid empty one.
 typedef struct kn_model {
     kn_spline *splines;
     int nsplines;
+    kn_mesh mesh; // no normals; empty: no polygons
 } kn_model;
 KN_API void kn_model_clear(kn_ctx *ctx, kn_model *model); // leaves it empty
 
@@ -38,7 +40,16 @@ KN_API KN_CHECKED kn_status kn_parse_bpt(kn_ctx *ctx, kn_model *out, const char 
 // roundings.
 KN_API KN_CHECKED kn_status kn_read_g2(kn_ctx *ctx, kn_model *out, const char *path);
 KN_API KN_CHECKED kn_status kn_parse_g2(kn_ctx *ctx, kn_model *out, const char *name, const char *text, size_t bytes);
-// By the ending of path, in letters of either case: .bpt or .g2 (KN_EDOMAIN otherwise).
+// IRIT data files (.itd, text): BEZIER and BSPLINE curves, surfaces and trivariates with points E1 .. E9, P1 .. P9;
+// polylines as curves of degree 1; polygons as fans of triangles about their first vertex, each with vertices of its
+// own, less those of which two corners coincide. Objects may be nested in any depth; attributes, numbers, points,
+// vectors, matrices, strings and text outside brackets are skipped. fails: also KN_EPARSE a trimmed or triangular
+// surface, a multivariate, a model, a periodic knot vector (not read), no geometry at all.
+// source: IRIT 12 user's manual, "Data file format" (Elber, Technion).
+KN_API KN_CHECKED kn_status kn_read_itd(kn_ctx *ctx, kn_model *out, const char *path);
+KN_API KN_CHECKED kn_status kn_parse_itd(kn_ctx *ctx, kn_model *out, const char *name, const char *text,
+                                         size_t bytes);
+// By the ending of path, in letters of either case: .bpt, .g2 or .itd (KN_EDOMAIN otherwise).
 KN_API KN_CHECKED kn_status kn_read_model(kn_ctx *ctx, kn_model *out, const char *path);
 
 // ---- tiles ----
@@ -47,13 +58,12 @@ KN_API const char *kn_builtin_tile_name(int index); // NULL outside 0 .. count-1
 // out = the built-in tile of that name (docs/tiles.md); overwritten, not cleared: kn_tile_clear is the caller's.
 // fails: KN_EDOMAIN (no such tile), KN_ENOMEM; out unchanged.
 KN_API KN_CHECKED kn_status kn_builtin_tile(kn_ctx *ctx, kn_tile *out, const char *name);
-// out = a casual tile of one part, named after the file, from all splines of a file that kn_read_model reads.
+// out = a casual tile of one part, named after the file, from all that a file has that kn_read_model reads.
 // in:    cell: u0, v0, u1, v1, u0 < u1, v0 < v1, a rectangle of the file's (u,v) that is mapped to the unit square;
 //        NULL: it is that already. w stays as it is; the aspect is 1 / sqrt of the rectangle's area, so that one unit
 //        of w looks as long as one unit of u and v.
 // out:   overwritten, not cleared.
-// fails: KN_EDOMAIN (cell, the path's ending, a spline that is no polynomial surface (u,v,w)), and as kn_read_model;
-//        out unchanged.
+// fails: KN_EDOMAIN (cell, the path's ending, what kn_tile_check says), and as kn_read_model; out unchanged.
 KN_API KN_CHECKED kn_status kn_read_tile(kn_ctx *ctx, kn_tile *out, const char *path, const double *cell);
 
 // ---- writers ----
