@@ -189,7 +189,7 @@ static kn_status cut(kn_ctx *ctx, kn_slice_lines *out, const kn_slice_options *o
     for (int k = 0; k < 4; k++) sides[k] = edges[k].changes;
     kn_solve_curve *curves = NULL;
     kn_solve_report report;
-    double near = fmin(0.5, o->tol / (2.0 * b->first)), longest = sqrt(2.0 * o->tol / b->second); // box sides
+    double near = fmin(0.5, o->tol / (2.0 * b->first)), longest = sqrt(4.0 * o->tol / b->second);
     if (status == KN_OK) status = kn_solve_trace(ctx, &curves, &ncurves, &report, &f, near, longest, sides);
     if (status == KN_OK) out->doubtful += report.possible + report.limited;
     for (size_t i = 0; status == KN_OK && i < ncurves; i++)

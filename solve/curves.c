@@ -3,10 +3,11 @@
 //
 // A box is done when one partial derivative, say f_x, keeps its sign in it, rounding included: zeros are then graphs
 // x = g(y) over intervals of y that begin and end where f changes its sign on the box's boundary, and in the order of
-// y these places say which belong together. g' = -f_y / f_x lies in an interval [m, M] that the coefficients give, so
-// that a chord of g over a length h deviates by at most (M - m) h / 4. Where that is too much, or no derivative keeps
-// its sign, the box is halved. The places on the new line are found once and handed to both halves, so that what one
-// draws the other goes on with.
+// y these places say which belong together. |g'| = |f_y / f_x| <= Q by the coefficients, and g'' = -(f_yy + 2 f_xy g' +
+// f_xx g'^2) / f_x is bounded by them as well: |g''| <= G, so that a chord of g over a length h deviates by at most
+// G h^2 / 8. Each graph gets as many chords as that asks for; where those are too many, or no derivative keeps its
+// sign, the box is halved. The places on the new line are found once and handed to both halves, so that what one draws
+// the other goes on with.
 #include "solve/curves.h"
 
 #include "kernel/bernstein.h"
@@ -16,6 +17,7 @@
 #include <math.h>
 #include <string.h>
 
+enum { MOST_CHORDS = 256 };               // of a graph in one box
 enum { LEFT, RIGHT, BOTTOM, TOP, SIDES }; // x = lo, x = hi, y = lo, y = hi
 static const size_t max_boxes = 1000000, none = SIZE_MAX;
 
@@ -168,33 +170,89 @@ static int by_place(const place *a, const place *b)
     return (a->at > b->at) - (a->at < b->at);
 }
 
-// Zeros as graphs over variable y (var 1; or 0) of a function whose derivative across has one sign: `up` when it is
-// positive. Places in the order of y are the beginnings and ends of graphs in turn. False: they are not (rounding).
-static bool join_graphs(tracer *t, const box *b, int y, bool up)
+// The root of a monotone function with n + 1 Bernstein coefficients that changes its sign, to some units of rounding:
+// secants in which an end that stays counts half (Illinois), and a halving where they do not shrink the interval.
+static double monotone_root(const double *c, int n)
+{
+    double lo = 0.0, hi = 1.0, flo = c[0], fhi = c[n], basis[KN_MAX_DEGREE + 1], before = 2.0;
+    int stays = 0;
+    while (hi - lo > 2.0 * DBL_EPSILON) {
+        double x = lo + (hi - lo) * (flo / (flo - fhi)), f;
+        bool slow = hi - lo > 0.5 * before;
+        before = hi - lo;
+        if (slow || !(x > lo && x < hi)) x = 0.5 * (lo + hi);
+        if (!(x > lo && x < hi)) break;
+        kn_bernstein_basis(basis, n, x);
+        kn_bernstein_contract(&f, c, 1, n + 1, 1, basis);
+        if (f == 0.0) return x;
+        if ((f < 0.0) == (c[0] < 0.0)) {
+            lo = x, flo = f;
+            if (stays > 0) fhi *= 0.5;
+            stays = 1;
+        } else {
+            hi = x, fhi = f;
+            if (stays < 0) flo *= 0.5;
+            stays = -1;
+        }
+    }
+    return c[0] == 0.0 ? 0.0 : c[n] == 0.0 ? 1.0 : 0.5 * (lo + hi);
+}
+
+// The point of the graph over variable y at this value of it.
+static kn_status graph_point(kn_ctx *ctx, tracer *t, size_t *index, const box *b, int y, double value)
+{
+    double basis[KN_MAX_DEGREE + 1], line[KN_MAX_DEGREE + 1], at[2];
+    int n = t->degree[1 - y], m = t->degree[y];
+    size_t row = (size_t)t->degree[1] + 1;
+    kn_bernstein_basis(basis, m, (value - b->lo[y]) / (b->hi[y] - b->lo[y]));
+    kn_bernstein_contract(line, b->c, y == 0 ? 1 : (size_t)n + 1, m + 1, y == 0 ? row : 1, basis);
+    at[y] = value;
+    at[1 - y] = b->lo[1 - y] + monotone_root(line, n) * (b->hi[1 - y] - b->lo[1 - y]);
+    return add_point(ctx, t, index, at[0], at[1]);
+}
+
+// Joins two places of a graph over y by chords; backwards: the curve runs from `to` to `from`.
+static kn_status draw_graph(kn_ctx *ctx, tracer *t, const box *b, int y, double longest, size_t from, size_t to,
+                            bool backwards)
+{
+    double a = t->points[from].at[y], z = t->points[to].at[y];
+    int n = (int)ceil(fmin(fmax((z - a) / longest, 1.0), MOST_CHORDS));
+    kn_status status = KN_OK;
+    for (int k = 1; status == KN_OK && k <= n; k++) {
+        size_t next = to;
+        if (k < n) status = graph_point(ctx, t, &next, b, y, a + (z - a) * k / n);
+        if (status == KN_OK) join(t, backwards ? next : from, backwards ? from : next);
+        from = next;
+    }
+    return status;
+}
+
+// Zeros as graphs over variable y of a function whose derivative across has one sign: `up` when it is positive. Places
+// in the order of y are the beginnings and ends of graphs in turn. *joined is false, and nothing is drawn, where they
+// are not (rounding). longest: of a chord, in y.
+static kn_status join_graphs(kn_ctx *ctx, tracer *t, bool *joined, const box *b, int y, bool up, double longest)
 {
     int low = y == 1 ? BOTTOM : LEFT, high = y == 1 ? TOP : RIGHT, near = y == 1 ? LEFT : BOTTOM;
-    const side *a = &b->sides[near], *z = &b->sides[near + 1];
-    if (b->sides[low].n > 1 || b->sides[high].n > 1 || count_places(b) % 2 != 0) return false;
-    size_t open = b->sides[low].n == 1 ? b->sides[low].list[0].point : none, i = 0, j = 0;
-    while (i < a->n || j < z->n || b->sides[high].n == 1) {
-        const place *p = NULL;
-        if (i < a->n && (j == z->n || by_place(&a->list[i], &z->list[j]) <= 0))
-            p = &a->list[i++];
-        else if (j < z->n)
-            p = &z->list[j++];
-        size_t here = p ? p->point : b->sides[high].list[0].point;
-        if (open == none) {
-            if (!p) return false;
-            open = here;
-        } else {
-            // x to the right, y up, f growing with x: f < 0 to the left of an upward run, so it runs down
-            bool downwards = (y == 1) == up;
-            join(t, downwards ? here : open, downwards ? open : here);
-            open = none;
-        }
-        if (!p) break;
+    const side *a = &b->sides[near], *z = &b->sides[near + 1], *ends[2] = {&b->sides[low], &b->sides[high]};
+    size_t n = count_places(b), k = 0, i = 0, j = 0;
+    *joined = ends[0]->n <= 1 && ends[1]->n <= 1 && n % 2 == 0;
+    if (!*joined) return KN_OK;
+    kn_mark mark = kn_scratch_mark(ctx);
+    size_t *order = kn_scratch(ctx, n, sizeof *order);
+    if (!order) return KN_ENOMEM;
+    if (ends[0]->n == 1) order[k++] = ends[0]->list[0].point;
+    while (i < a->n || j < z->n) {
+        bool first = i < a->n && (j == z->n || by_place(&a->list[i], &z->list[j]) <= 0);
+        order[k++] = first ? a->list[i++].point : z->list[j++].point;
     }
-    return open == none;
+    if (ends[1]->n == 1) order[k++] = ends[1]->list[0].point;
+    // x to the right, y up, f growing with x: f < 0 to the left of an upward run, so it runs down
+    bool backwards = (y == 1) == up;
+    kn_status status = KN_OK;
+    for (k = 0; status == KN_OK && k < n; k += 2)
+        status = draw_graph(ctx, t, b, y, longest, order[k], order[k + 1], backwards);
+    kn_scratch_release(ctx, mark);
+    return status;
 }
 
 // The least and largest coefficient of the derivative in variable v, and the margin taken off: 1 positive, -1
@@ -218,15 +276,34 @@ static int derivative_sign(double range[2], const tracer *t, const box *b, int v
     return range[0] > 0.0 ? 1 : range[1] < 0.0 ? -1 : 0;
 }
 
-// (M - m) / 4 of the slope -a / d over the box, d of one sign.
-static double deviation(const double a[2], const double d[2])
+// The largest |second derivative| over the box, in v and w.
+static double second_derivative(const tracer *t, const box *b, int v, int w)
 {
-    double q[4] = {a[0] / d[0], a[0] / d[1], a[1] / d[0], a[1] / d[1]}, lo = q[0], hi = q[0];
-    for (int i = 1; i < 4; i++) {
-        lo = fmin(lo, q[i]);
-        hi = fmax(hi, q[i]);
-    }
-    return (hi - lo) / 4.0;
+    size_t step[2] = {(size_t)t->degree[1] + 1, 1};
+    int n[2] = {t->degree[0], t->degree[1]};
+    double most = 0.0, factor = v == w ? (double)n[v] * (n[v] - 1) : (double)n[0] * n[1];
+    n[v]--, n[w]--;
+    for (int i = 0; i <= n[0]; i++)
+        for (int j = 0; j <= n[1]; j++) {
+            const double *c = b->c + (size_t)i * step[0] + (size_t)j;
+            double d = v == w ? c[0] - 2.0 * c[step[v]] + c[2 * step[v]] : c[0] - c[1] - c[step[0]] + c[step[0] + 1];
+            most = fmax(most, fabs(d));
+        }
+    return factor > 0.0 ? factor * (most + 4.0 * t->rounding * (b->depth + 1)) : 0.0;
+}
+
+// How long chords of graphs over variable y may be, in y: range of the derivatives, that across of one sign.
+static double chord_length(const tracer *t, const box *b, double range[2][2], int y)
+{
+    int x = 1 - y;
+    double least = fmin(fabs(range[x][0]), fabs(range[x][1])), width[2];
+    double slope = fmax(fabs(range[y][0]), fabs(range[y][1])) / least;
+    double bend = (second_derivative(t, b, y, y) + 2.0 * slope * second_derivative(t, b, x, y) +
+                   slope * slope * second_derivative(t, b, x, x)) /
+                  least;
+    for (int v = 0; v < 2; v++) width[v] = b->hi[v] - b->lo[v];
+    double within = bend > 0.0 ? width[y] * sqrt(8.0 * t->tol / (bend * width[x])) : INFINITY;
+    return fmin(within, t->longest / hypot(1.0, slope * width[x] / width[y]));
 }
 
 static bool keeps_sign(const tracer *t, const box *b)
@@ -243,23 +320,25 @@ static bool keeps_sign(const tracer *t, const box *b)
 // Whether the box is done. *split: the variable to halve otherwise.
 static kn_status finish(kn_ctx *ctx, tracer *t, const box *b, bool *done, int *split)
 {
-    double range[2][2], width[2] = {b->hi[0] - b->lo[0], b->hi[1] - b->lo[1]};
+    double range[2][2], width[2] = {b->hi[0] - b->lo[0], b->hi[1] - b->lo[1]}, least = 1.0 / MOST_CHORDS;
     int sign[2];
     size_t n = count_places(b);
     *split = width[0] >= width[1] ? 0 : 1;
     *done = n == 0 && keeps_sign(t, b);
     if (*done) return KN_OK;
-    bool short_enough = fmax(width[0], width[1]) <= t->longest;
     for (int v = 0; v < 2; v++) sign[v] = derivative_sign(range[v], t, b, v);
-    double best = INFINITY;
-    for (int v = 0; v < 2; v++) {
-        if (sign[v] == 0) continue;
-        double off = deviation(range[1 - v], range[v]) * width[v];
-        bool longish = width[1 - v] * 32.0 > width[v]; // graphs over a variable get finer with it
-        if (off < best && longish && off > t->tol) *split = 1 - v;
-        best = fmin(best, off);
-        *done = n == 0 || (off <= t->tol && short_enough && join_graphs(t, b, 1 - v, sign[v] > 0));
-        if (*done) return KN_OK;
+    *done = n == 0 && (sign[0] != 0 || sign[1] != 0);
+    if (*done) return KN_OK;
+    int across = sign[0] == 0 ? 1 : 0; // the variable across graphs: of two the one in which f is steeper
+    if (sign[0] != 0 && sign[1] != 0 &&
+        fmin(fabs(range[1][0]), fabs(range[1][1])) > fmin(fabs(range[0][0]), fabs(range[0][1])))
+        across = 1;
+    double length = sign[across] != 0 ? chord_length(t, b, range, 1 - across) : 0.0;
+    bool longish = width[1 - across] * 32.0 > width[across]; // graphs over a variable get finer with it
+    if (sign[across] != 0 && longish) *split = 1 - across;
+    if (length >= least * width[1 - across]) {
+        kn_status status = join_graphs(ctx, t, done, b, 1 - across, sign[across] > 0, length);
+        if (status != KN_OK || *done) return status;
     }
     bool small = fmax(width[0], width[1]) <= t->tol / 2.0 || t->report.boxes > max_boxes;
     if (!small) return KN_OK;

@@ -24,7 +24,7 @@ typedef struct kn_sign_changes {
 // nearer to each other than the rounding of the coefficients tells.
 kn_status kn_solve_sign_changes(kn_ctx *ctx, kn_sign_changes *out, size_t *doubtful, const double *c, int degree);
 
-// As kn_solve_curves_bezier, and no box in which a chord is drawn is wider than `longest`. edges: the changes of sign
+// As kn_solve_curves_bezier, and no chord is longer than `longest`. edges: the changes of sign
 // along x = 0, x = 1 (in y), y = 0, y = 1 (in x), where the caller knows them; NULL: found from f.
 kn_status kn_solve_trace(kn_ctx *ctx, kn_solve_curve **curves, size_t *n, kn_solve_report *report, const kn_bezier *f,
                          double tol, double longest, const kn_sign_changes *edges);

@@ -141,7 +141,8 @@ typedef struct kn_solve_curve {
 // fails:  KN_EDOMAIN (shape, tol, coefficients that are not finite), KN_ENOMEM, KN_ECANCELLED; outputs unchanged.
 // error:  tol is kept for the function in exact arithmetic, but for a shift by the rounding of f, 8 (n + m) u max |c|
 //         for each halving, over |f_r| or |f_t|.
-// cost:   about (n + 1)(m + 1)(n + m) flops for each box, and sqrt(curvature / tol) boxes for each curve.
+// cost:   about (n + 1)(m + 1)(n + m) flops for each box, some ten for each curve and turn of it, and ten values for
+//         each point, of which there are length sqrt(curvature / 8 tol).
 KN_API KN_CHECKED kn_status kn_solve_curves_bezier(kn_ctx *ctx, kn_solve_curve **curves, size_t *n,
                                                    kn_solve_report *report, const kn_bezier *f, double tol);
 
