@@ -5,17 +5,10 @@
 // is sum over the eight corners of (prod of s or 1 - s) (g . d). With |g| = 1 it is at most sum w |d| <= sqrt(sum w
 // |d|^2) (the w sum to 1), and that is sqrt of a sum over the axes of (1 - s) t^2 + s (1 - t)^2 <= 1/4: at most
 // sqrt(3)/2. The twelve gradients are the edges' middles of a cube, of length sqrt(2): so the factor is sqrt(2/3).
+#include "kernel/hash.h"
+
 #include <knurl/field.h>
-
 #include <math.h>
-
-static uint64_t mix(uint64_t x)
-{
-    x += 0x9e3779b97f4a7c15u;
-    x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9u;
-    x = (x ^ (x >> 27)) * 0x94d049bb133111ebu;
-    return x ^ (x >> 31);
-}
 
 // g . d for one of the twelve gradients (+-1, +-1, 0), (+-1, 0, +-1), (0, +-1, +-1).
 static double along_gradient(uint64_t hash, const double d[3])
@@ -39,13 +32,13 @@ double kn_noise(const double point[3], uint64_t seed)
         corner[c][1] = corner[c][0] + 1;
     }
     for (int i = 0; i < 2; i++) {
-        uint64_t hash_i = mix(seed ^ mix(corner[0][i]));
+        uint64_t hash_i = kn_hash_add(seed, corner[0][i]);
         for (int j = 0; j < 2; j++) {
-            uint64_t hash_ij = mix(hash_i ^ corner[1][j]);
+            uint64_t hash_ij = kn_hash_add(hash_i, corner[1][j]);
             double weight = (i == 0 ? 1.0 - s[0] : s[0]) * (j == 0 ? 1.0 - s[1] : s[1]);
             for (int k = 0; k < 2; k++) {
                 const double d[3] = {t[0] - i, t[1] - j, t[2] - k};
-                sum += weight * (k == 0 ? 1.0 - s[2] : s[2]) * along_gradient(mix(hash_ij ^ corner[2][k]), d);
+                sum += weight * (k == 0 ? 1.0 - s[2] : s[2]) * along_gradient(kn_hash_add(hash_ij, corner[2][k]), d);
             }
         }
     }

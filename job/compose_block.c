@@ -197,6 +197,27 @@ static kn_status compose_shared(kn_ctx *ctx, composer *c, const int cell[2], con
 
 // ---- cells with plans of their own ----
 
+// A patch that lies in its cell by a matrix of its own: unlike symbolic composition it gives an edge, a corner or a
+// face the same bits as any other patch that has it.
+static kn_status compose_alone(kn_ctx *ctx, const composer *c, const kn_job_key *key, const kn_bezier *d,
+                               const kn_shell_piece *piece, const kn_patch *patch)
+{
+    int rows[KN_JOB_VARS] = {0};
+    for (int v = 0; v < d->nvars; v++) rows[v] = patch->bezier.degree[v];
+    kn_job_matrix m = {0};
+    kn_mark mark = kn_scratch_mark(ctx);
+    const double *from = piece_rows(ctx, piece, c->ncomp);
+    kn_status status = from ? kn_job_make_matrix(ctx, &m, d, key, rows) : KN_ENOMEM;
+    for (size_t k = 0; status == KN_OK && k < (size_t)c->ncomp; k++) {
+        double *to = patch->bezier.coef + k * m.n;
+        const double *row = from + k * m.k;
+        kn_gemm(&to, &row, 1, m.packed, m.k, m.n);
+    }
+    kn_free(ctx, m.packed);
+    kn_scratch_release(ctx, mark);
+    return status;
+}
+
 static kn_status compose_leaf(kn_ctx *ctx, composer *c, const kn_job_cell_plan *plan, const kn_job_leaf *leaf)
 {
     const kn_job_patch *from = leaf->mesh.position ? NULL : kn_job_leaf_patch(plan, leaf);
@@ -223,7 +244,9 @@ static kn_status compose_leaf(kn_ctx *ctx, composer *c, const kn_job_cell_plan *
         return use_matrix(ctx, c, key, leaf->piece, &piece->piece);
     kn_bezier d = {0};
     kn_status status = kn_job_leaf_source(ctx, &d, plan, leaf);
-    if (status == KN_OK) status = compose_symbolic(ctx, c, &d, &piece->piece, to);
+    bool by_matrix = leaf->key.whole && !leaf->alone && !c->job->options.symbolic;
+    if (status == KN_OK && by_matrix) status = compose_alone(ctx, c, &leaf->key, &d, &piece->piece, to);
+    if (status == KN_OK && !by_matrix) status = compose_symbolic(ctx, c, &d, &piece->piece, to);
     kn_bezier_clear(ctx, &d);
     return status;
 }
@@ -239,7 +262,7 @@ static kn_status compose_own(kn_ctx *ctx, composer *c, size_t index)
         p->plans_room = room;
     }
     kn_job_cell_plan *plan = &p->plans[p->nplans];
-    kn_status status = kn_job_plan_cell(ctx, plan, c->job, index);
+    kn_status status = kn_job_plan_cell(ctx, plan, c->job, index, false);
     if (status != KN_OK) return status;
     p->nplans++;
     c->nrows = 0;

@@ -31,22 +31,16 @@ static size_t wanted(const matrices *m, size_t index)
     return columns * kn_job_numbers(rows);
 }
 
-static kn_status make_matrix(kn_ctx *ctx, void *user, size_t index)
+kn_status kn_job_make_matrix(kn_ctx *ctx, kn_job_matrix *out, const kn_bezier *d, const kn_job_key *key,
+                             const int rows[KN_JOB_VARS])
 {
-    const matrices *all_of = user;
-    const kn_job_key *key = &all_of->job->keys.list[index];
-    const kn_job_patch *patch = &all_of->job->patches[key->patch];
-    if (wanted(all_of, index) == 0) return KN_OK;
-    kn_bezier d = {0};
     kn_compose_matrix m[KN_SHELL_TERMS] = {{.m = NULL}};
     kn_job_matrix made = {0};
-    double lo[2], hi[2], *all = NULL;
-    int rows[KN_JOB_VARS];
-    kn_job_degree(patch, key, rows);
-    kn_status status = kn_job_in_box(ctx, &d, lo, hi, patch, key);
+    double *all = NULL;
+    kn_status status = KN_OK;
     for (int t = 0; status == KN_OK && t < key->nterms; t++) {
         const int degree[2] = {key->degree[t][0], key->degree[t][1]};
-        status = kn_compose_matrix_init(ctx, &m[t], &d, degree, key->power[t], rows);
+        status = kn_compose_matrix_init(ctx, &m[t], d, degree, key->power[t], rows);
         made.k += m[t].cols;
         made.n = m[t].rows;
     }
@@ -59,10 +53,25 @@ static kn_status make_matrix(kn_ctx *ctx, void *user, size_t index)
             for (int t = 0; t < key->nterms; to += m[t++].cols)
                 memcpy(to, m[t].m + q * m[t].cols, m[t].cols * sizeof *all);
         kn_gemm_pack(made.packed, all, made.k, made.n, 1, made.k);
-        all_of->list[index] = made;
+        *out = made;
     }
     kn_free(ctx, all);
     for (int t = 0; t < key->nterms; t++) kn_compose_matrix_clear(ctx, &m[t]);
+    return status;
+}
+
+static kn_status make_one(kn_ctx *ctx, void *user, size_t index)
+{
+    const matrices *all_of = user;
+    const kn_job_key *key = &all_of->job->keys.list[index];
+    const kn_job_patch *patch = &all_of->job->patches[key->patch];
+    if (wanted(all_of, index) == 0) return KN_OK;
+    kn_bezier d = {0};
+    double lo[2], hi[2];
+    int rows[KN_JOB_VARS];
+    kn_job_degree(patch, key, rows);
+    kn_status status = kn_job_in_box(ctx, &d, lo, hi, patch, key);
+    if (status == KN_OK) status = kn_job_make_matrix(ctx, &all_of->list[index], &d, key, rows);
     kn_bezier_clear(ctx, &d);
     return status;
 }
@@ -82,7 +91,7 @@ kn_status kn_job_make_matrices(kn_ctx *ctx, kn_job_matrix **out, const kn_job *j
     matrices m = {.job = job, .list = kn_alloc_zero(ctx, job->keys.count, sizeof *m.list)};
     if (!m.list) return KN_ENOMEM;
     choose_least(&m);
-    kn_status status = kn_parallel(ctx, job->keys.count, make_matrix, &m, "matrices");
+    kn_status status = kn_parallel(ctx, job->keys.count, make_one, &m, "matrices");
     if (status == KN_OK)
         *out = m.list;
     else
