@@ -301,5 +301,6 @@ int cli_command_info(int argc, char **argv);
 int cli_command_eval(int argc, char **argv);
 int cli_command_render(int argc, char **argv);
 int cli_command_check(int argc, char **argv);
+int cli_command_slice(int argc, char **argv);
 
 #endif

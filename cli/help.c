@@ -99,6 +99,26 @@ static const char check[] =
     "  -j, --threads N         default: all processors; the answer does not depend on it\n"
     "  -q, --quiet             no progress, no report: the exit code alone\n";
 
+static const char slice[] =
+    "knurl slice BASE --tile TILE --layer L -o OUT [options]\n"
+    "knurl slice RECIPE.json --layer L -o OUT [options]\n"
+    "\n"
+    "  knurl slice vase.g2 --tile knurl --size 4mm --layer 0.2mm -o vase.3mf\n"
+    "  knurl slice teapot.bpt --tile scale --count 6 --layer 0.05 --from 0.5 --to 1 -o layers/pot.svg\n"
+    "\n"
+    "Contours of the textured base, layer by layer, in the middle of each; only cells near a layer are composed.\n"
+    "Options of the texture as in apply.\n"
+    "\n"
+    "  -l, --layer L           thickness of a layer\n"
+    "      --from Z --to Z     layers between these heights (default: all of the object)\n"
+    "      --tol L             of contours (default: a twentieth of a layer)\n"
+    "  -o, --output OUT        .svg: a drawing for each layer, OUT-0001.svg and so on; .3mf: one file with the "
+    "slice\n"
+    "                          extension; may be given many times\n"
+    "      --json              one JSON object on standard output\n"
+    "  -j, --threads N         default: all processors; files do not depend on it\n"
+    "  -q, --quiet             no progress, no report\n";
+
 static const char tiles[] = "knurl tiles [--json]\n"
                             "\n"
                             "  knurl tiles --json\n"
@@ -146,7 +166,7 @@ int cli_help(FILE *to, const char *command)
 {
     static const struct {
         const char *name, *text;
-    } texts[] = {{"apply", apply}, {"check", check}, {"tiles", tiles},
+    } texts[] = {{"apply", apply}, {"check", check}, {"slice", slice},  {"tiles", tiles},
                  {"info", info},   {"eval", eval},   {"render", render}};
     if (!command) return fputs(overview, to) < 0 ? EXIT_FAILED : EXIT_OK;
     for (size_t i = 0; i < sizeof texts / sizeof *texts; i++)

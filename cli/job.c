@@ -7,9 +7,9 @@
 
 const cli_theme *cli_theme_of(int theme)
 {
-    static const cli_theme *const themes[CLI_THEMES] = {&cli_texture_options,   &cli_placement_options,
-                                                        &cli_selection_options, &cli_variation_options,
-                                                        &cli_exactness_options, &cli_running_options};
+    static const cli_theme *const themes[CLI_THEMES] = {
+        &cli_texture_options,   &cli_placement_options, &cli_selection_options, &cli_view_options,
+        &cli_variation_options, &cli_exactness_options, &cli_running_options};
     return themes[theme];
 }
 
@@ -62,13 +62,15 @@ const char *cli_job_conflict(const cli_job *job)
     const kn_job_options *o = &job->options;
     bool direction = job->field[CLI_FIELD_DIRECTION].given, attraction = job->field[CLI_FIELD_ATTRACTION].given;
     bool normal = cli_job_was_given(job, cli_job_find_key("normal", CLI_OF_RECIPE, NULL));
+    bool view = job->view.pixels[0] > 0 || job->view.least_pixels > 0 || job->view.hidden;
     bool power = cli_job_was_given(job, cli_job_find_key("attraction_power", CLI_OF_LAYER, NULL));
     return o->count[0] && job->has_size ? "--count and --size exclude each other"
            : direction && normal        ? "--normal and --direction exclude each other"
            : power && !attraction       ? "--attraction-power needs --attraction"
            : job->crossing_tol.value > 0 && o->crossing == KN_CROSSING_REFUSE
                ? "--crossing-tol needs --crossing trim or approximate"
-               : NULL;
+           : view && !job->has_camera ? "--picture, --least-pixels and --hidden need --camera"
+                                      : NULL;
 }
 
 double cli_crease_angle(double normal_tol)
@@ -141,6 +143,8 @@ int cli_job_begin(cli_session *session, cli_job *job)
     set_lengths(job);
     job->options.select.surfaces = job->nfaces > 0 ? job->faces : NULL;
     job->options.select.nsurfaces = job->nfaces;
+    if (job->has_camera) cli_make_view(job);
+    job->options.select.view = job->has_camera ? &job->view : NULL;
     int code = set_shell_fields(session, job);
     return code == EXIT_OK ? set_scalars(session, job) : code;
 }

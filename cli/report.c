@@ -66,6 +66,31 @@ static json_t *file_bytes(const cli_apply *a, const double *bytes)
     return object;
 }
 
+static const char *const reasons[KN_DROP_REASONS] = {
+    [KN_DROP_SURFACE] = "faces", [KN_DROP_RANGE] = "range",  [KN_DROP_SKIP] = "skip", [KN_DROP_DENSITY] = "density",
+    [KN_DROP_MASK] = "mask",     [KN_DROP_CONE] = "angle",   [KN_DROP_SLAB] = "slab", [KN_DROP_OUTSIDE] = "outside",
+    [KN_DROP_SMALL] = "small",   [KN_DROP_HIDDEN] = "hidden"};
+
+// Cells that are not there, by what excluded them.
+static json_t *dropped_json(const kn_job_report *r)
+{
+    json_t *o = json_object();
+    for (int i = 0; i < KN_DROP_REASONS; i++)
+        if (r->dropped[i] > 0) json_object_set_new(o, reasons[i], json_integer((json_int_t)r->dropped[i]));
+    return o;
+}
+
+static void print_dropped(const kn_job_report *r)
+{
+    const char *before = "left out: ";
+    for (int i = 0; i < KN_DROP_REASONS; i++) {
+        if (r->dropped[i] == 0) continue;
+        printf("%s%zu cells (%s)", before, r->dropped[i], reasons[i]);
+        before = ", ";
+    }
+    if (*before == ',') putchar('\n');
+}
+
 // A direction that is given is exact, and no unit normal: there is nothing to certify.
 static json_t *normal_json(const kn_job_options *o, const kn_job_report *r)
 {
@@ -88,9 +113,13 @@ static void print_json(const cli_apply *a, const kn_job_report *r, const double 
     json_object_set_new(o, "dry_run", json_boolean(a->dry_run));
     json_object_set_new(o, "surfaces", json_integer(r->nsurfaces));
     json_object_set_new(o, "cells", json_integer((json_int_t)r->cells));
+    json_object_set_new(o, "cells_dropped", dropped_json(r));
     json_object_set_new(o, "patches", json_integer((json_int_t)r->patches));
     json_object_set_new(o, "exact_patches", json_integer((json_int_t)r->exact_patches));
-    json_object_set_new(o, "faces", json_integer((json_int_t)r->patches));
+    json_object_set_new(o, "faces", json_integer((json_int_t)(r->patches - r->curves - r->volumes - r->meshes)));
+    json_object_set_new(o, "curves", json_integer((json_int_t)r->curves));
+    json_object_set_new(o, "volumes", json_integer((json_int_t)r->volumes));
+    json_object_set_new(o, "meshes", json_integer((json_int_t)r->meshes));
     json_object_set_new(o, "triangles", json_integer((json_int_t)r->triangles));
     json_object_set_new(o, "degree", json_pack("[ii]", r->degree[0], r->degree[1]));
     json_object_set_new(o, "control_points", json_integer((json_int_t)r->control_points));
@@ -101,6 +130,7 @@ static void print_json(const cli_apply *a, const kn_job_report *r, const double 
                         json_pack("{s:i,s:o,s:o}", "max_degree", r->max_degree, "tolerance",
                                   cli_json_number(4 * r->normal_tol * fabs(r->height)), "certified_error",
                                   cli_json_upper(r->stand_in_error)));
+    json_object_set_new(o, "crossing_error", cli_json_upper(r->crossing_error));
     json_object_set_new(o, "jacobian",
                         json_pack("{s:o,s:o,s:b}", "min", cli_json_lower(r->jacobian_lo), "max",
                                   cli_json_upper(r->jacobian_hi), "certified_positive", r->jacobian_lo > 0));
@@ -124,6 +154,7 @@ static void print_text(const cli_apply *a, const kn_job_report *r, const double 
 {
     printf("%zu cells of about %.3g, height %.3g, on %d surface%s\n", r->cells, r->cell_size, r->height, r->nsurfaces,
            r->nsurfaces == 1 ? "" : "s");
+    print_dropped(r);
     const kn_cells_spread *sp = &r->spread;
     if (sp->cells > 0)
         printf("cells %.3g to %.3g wide, %.3g to %.3g high; areas differ by a factor of %.3g\n", sp->width.min,
@@ -136,6 +167,10 @@ static void print_text(const cli_apply *a, const kn_job_report *r, const double 
                r->even_instead, r->nparts);
     printf("%zu patches of degree up to (%d,%d), %zu control points, %zu triangles\n", r->patches, r->degree[0],
            r->degree[1], r->control_points, r->triangles);
+    if (r->curves + r->volumes + r->meshes > 0)
+        printf("of them %zu curves, %zu volumes, %zu pieces of meshes\n", r->curves, r->volumes, r->meshes);
+    if (r->crossing_error > 0)
+        printf("pieces at knot lines within %.1e (certified)\n", cli_outward(r->crossing_error, 1, CLI_TEXT_DIGITS));
     if (a->recipe.layer[0].options.direction)
         printf("along the given direction\n");
     else
