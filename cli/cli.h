@@ -113,7 +113,7 @@ typedef enum cli_place {
     CLI_OF_RECIPE, // a key of the recipe
     CLI_OF_RUN,    // an option alone
 } cli_place;
-// Options that belong together: cli/texture.c, placement.c, selection.c, variation.c, exactness.c, running.c.
+// Options that belong together: cli/texture.c, placement.c, selection.c, view.c, variation.c, exactness.c, running.c.
 typedef struct cli_theme {
     const cli_option *options;
     int noptions;
@@ -122,9 +122,9 @@ typedef struct cli_theme {
     // message.
     bool (*set)(struct cli_job *job, const char *name, int option, const char *text);
 } cli_theme;
-enum { CLI_THEMES = 6, CLI_THEME_OPTIONS = 64, CLI_JOB_OPTIONS = CLI_THEMES * CLI_THEME_OPTIONS };
-extern const cli_theme cli_texture_options, cli_placement_options, cli_selection_options, cli_variation_options,
-    cli_exactness_options, cli_running_options;
+enum { CLI_THEMES = 7, CLI_THEME_OPTIONS = 64, CLI_JOB_OPTIONS = CLI_THEMES * CLI_THEME_OPTIONS };
+extern const cli_theme cli_texture_options, cli_placement_options, cli_selection_options, cli_view_options,
+    cli_variation_options, cli_exactness_options, cli_running_options;
 const cli_theme *cli_theme_of(int theme);
 
 // A length that may name its unit: 3mm.
@@ -174,6 +174,9 @@ typedef struct cli_job {
     cli_field field[CLI_FIELDS];
     cli_scalar mask;
     int faces[CLI_MAX_FACES], nfaces;
+    kn_job_view view;
+    double camera[7]; // eye, what it looks at, degrees
+    bool has_camera;
     cli_vary vary[CLI_MAX_VARY];
     kn_job_vary varied[CLI_MAX_VARY];
     int nvary;
@@ -204,6 +207,8 @@ int cli_scalar_begin(cli_session *session, cli_scalar *scalar, const char *name,
 void cli_scalar_end(cli_session *session, cli_scalar *scalar);
 // Whether text names a file that can be a scalar.
 bool cli_scalar_is_file(const char *text);
+// job->view from the camera.
+void cli_make_view(cli_job *job);
 // The angle above which an edge inside a base is a crease: what a job takes (0: the default tolerance of normals).
 double cli_crease_angle(double normal_tol);
 // Options that exclude or need each other; NULL, or what is wrong.
