@@ -8,7 +8,7 @@
 
 #include <math.h>
 
-enum { MAX_DENOMINATOR = 16, MOST_VARIANTS = 4 * MAX_DENOMINATOR * MAX_DENOMINATOR };
+enum { MAX_DENOMINATOR = 16, MOST_VARIANTS = 4 * MAX_DENOMINATOR * MAX_DENOMINATOR, MOST_CUTS = 96 };
 
 // How a tile lies in its cell.
 typedef struct posture {
@@ -21,6 +21,8 @@ struct kn_job_tiling {
     int under[2];
     bool extra[2]; // beyond the lower end of d there is no cell, and a tile that reaches in
     double turned[3][4];
+    double cuts[2][MOST_CUTS]; // kn_job_take_cuts
+    int ncuts[2];
     posture *postures; // of each variant
     int count;
 };
@@ -211,6 +213,52 @@ static void find_extra(struct kn_job_tiling *t, const kn_job *job)
     }
 }
 
+static void add_cut(struct kn_job_tiling *t, int d, double at)
+{
+    at -= floor(at);
+    if (at >= 1.0 - 1e-12) at = 0.0;
+    for (int k = 0; k < t->ncuts[d]; k++)
+        if (fabs(t->cuts[d][k] - at) <= 1e-12) return;
+    if (t->ncuts[d] < MOST_CUTS) t->cuts[d][t->ncuts[d]++] = round(at * 0x1p40) * 0x1p-40;
+}
+
+// A corner of the tile at b on the line between two rows meets the other row at b plus multiples of 1 / under: there
+// every tile is cut, so that neighbours share their edges from end to end.
+static void add_cuts_at(struct kn_job_tiling *t, const kn_job_placement *p, int d, double b)
+{
+    for (int k = 0; k < t->under[d]; k++) {
+        double a = p->shift[d] + (double)k / t->under[d];
+        add_cut(t, d, a + b);
+        if (p->mirror[d]) add_cut(t, d, a - b);
+    }
+}
+
+static void find_cuts(struct kn_job_tiling *t, const kn_job *job, int d)
+{
+    const kn_job_placement *p = &job->options.placement;
+    if (t->under[d] < 2) return;
+    add_cuts_at(t, p, d, 0.0);
+    for (int k = 0; k < job->variants[0].count; k++) {
+        const kn_bezier *patch = &job->patches[k].d;
+        size_t n = kn_bezier_count(patch);
+        for (int corner = 0; corner < 1 << patch->nvars; corner++) {
+            size_t at = 0;
+            for (int v = 0; v < patch->nvars; v++)
+                at = at * ((size_t)patch->degree[v] + 1) + (corner >> v & 1 ? (size_t)patch->degree[v] : 0);
+            double across = patch->coef[(size_t)(1 - d) * n + at];
+            if (across == 0.0 || across == 1.0) add_cuts_at(t, p, d, patch->coef[(size_t)d * n + at]);
+        }
+    }
+}
+
+void kn_job_take_cuts(kn_job_change *change, const kn_job *job)
+{
+    for (int d = 0; d < 2; d++) {
+        change->cuts[d] = job->tiling ? job->tiling->cuts[d] : NULL;
+        change->ncuts[d] = job->tiling ? job->tiling->ncuts[d] : 0;
+    }
+}
+
 static kn_status make_tiling(kn_ctx *ctx, kn_job *job, struct kn_job_tiling *t)
 {
     const kn_job_placement *p = &job->options.placement;
@@ -223,10 +271,12 @@ static kn_status make_tiling(kn_ctx *ctx, kn_job *job, struct kn_job_tiling *t)
         {c, -s, 0, 0.5 - 0.5 * c + 0.5 * s}, {s, c, 0, 0.5 - 0.5 * s - 0.5 * c}, {0, 0, 1, 0}};
     for (int k = 0; k < 12; k++) t->turned[k / 4][k % 4] = (p->angle != 0.0 ? turned : identity)[k / 4][k % 4];
     find_extra(t, job);
+    for (int d = 0; d < 2 && job->tile.covering; d++) find_cuts(t, job, d);
     t->postures = kn_alloc(ctx, MOST_VARIANTS, sizeof *t->postures);
     if (!t->postures) return KN_ENOMEM;
     t->postures[t->count++] = (posture){{0.0, 0.0}, {false, false}};
-    if (p->angle != 0.0) t->postures[0].shift[0] = INFINITY; // no cell has it as modelled
+    bool otherwise = p->angle != 0.0 || t->ncuts[0] > 0 || t->ncuts[1] > 0;
+    if (otherwise) t->postures[0].shift[0] = INFINITY; // no cell has it as modelled
     status = add_postures(ctx, job, t);
     return status == KN_OK && job->tile.covering ? check_seams(ctx, job, t) : status;
 }

@@ -275,6 +275,8 @@ kn_status kn_job_make_patches(kn_ctx *ctx, kn_job *job);
 typedef struct kn_job_change {
     void *user;
     kn_status (*apply)(kn_ctx *ctx, void *user, kn_bezier *d, const kn_tile *tile, int part, int spline, int patch);
+    const double *cuts[2]; // more lines at which patches are cut, in [0,1): of u and of v, in every cell
+    int ncuts[2];
 } kn_job_change;
 // Appends the patches of a tile, placed by the options' height, offset and side, changed by `change` (NULL: not) and
 // cut at cell lines. On failure the list is as it was.
@@ -307,6 +309,7 @@ typedef struct kn_job_piece {
 } kn_job_piece;
 typedef struct kn_job_pieces {
     const kn_job *job;
+    bool outline; // kn_shell_piece_outline will do
     kn_job_piece *list;
     int count, room;
 } kn_job_pieces;
@@ -359,7 +362,8 @@ typedef struct kn_job_instance kn_job_instance;
 kn_status kn_job_cut_own(kn_ctx *ctx, kn_job_patches *out, const kn_job *job, int surface, const int cell[2],
                          const kn_job_instance *instance);
 // *plan, zero-initialised, = what the cell numbered `index` composes: the same answer whenever it is asked.
-kn_status kn_job_plan_cell(kn_ctx *ctx, kn_job_cell_plan *plan, const kn_job *job, size_t index);
+// outline: to count it; pieces may come without coefficients then (kn_job_cross and kn_job_map_meshes get them whole).
+kn_status kn_job_plan_cell(kn_ctx *ctx, kn_job_cell_plan *plan, const kn_job *job, size_t index, bool outline);
 
 // ---- plan.c ----
 // job->keys, lists, alike and what the report says of them; patches and surfaces are there.
@@ -411,6 +415,8 @@ typedef struct kn_job_instance_list {
     int count, room;
 } kn_job_instance_list;
 kn_status kn_job_instances_init(kn_ctx *ctx, kn_job *job);
+// Where patches are cut so that those of staggered rows have their corners in the same places.
+void kn_job_take_cuts(kn_job_change *change, const kn_job *job);
 void kn_job_instances_clear(kn_ctx *ctx, kn_job *job);
 // The tiles of a cell, appended to an empty list.
 kn_status kn_job_instances(kn_ctx *ctx, kn_job_instance_list *out, const kn_job *job, int surface, const int cell[2]);
@@ -436,8 +442,9 @@ kn_status kn_job_cross(kn_ctx *ctx, bool *crossed, kn_job_cell_plan *plan, const
                        const kn_job_place *place, const kn_bezier *d);
 
 // ---- cross_boxes.c ----
-// Whether S has a knot at a cell line inside its domain, or is closed there: `line` counts from the cell.
-bool kn_job_is_knot(const kn_job_surface *s, const int cell[2], int var, double line);
+// Whether S has a knot at a cell line inside its domain, or is closed there: `line` counts from the cell. Where patches
+// may cross, so do lines count between cells of different widths, at which (u,v) in cells is bent.
+bool kn_job_is_knot(const kn_job *job, const kn_job_surface *s, const int cell[2], int var, double line);
 
 // ---- variants.c ----
 // Appends the patches of the tile placed by an affine map, as kn_job_instance has it, to job->patches.

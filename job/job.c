@@ -123,7 +123,7 @@ static kn_status find_source(kn_ctx *ctx, kn_bezier *d, int offset[2], const kn_
     if (alike->list != KN_JOB_OWN) {
         if (find_ref(&key, job, &job->lists.list[alike->list], id)) patch = &job->patches[key.patch];
     } else {
-        status = kn_job_plan_cell(ctx, &plan, job, cell);
+        status = kn_job_plan_cell(ctx, &plan, job, cell, false);
         const kn_job_leaf *leaf = status == KN_OK ? find_leaf(&plan, id) : NULL;
         if (leaf) patch = kn_job_leaf_patch(&plan, leaf), key = leaf->key;
     }

@@ -105,6 +105,7 @@ typedef struct fragment {
 } fragment;
 
 typedef struct builder {
+    const kn_job_change *change;
     kn_job_patches *out;
     int part, spline, patch;
 } builder;
@@ -167,6 +168,17 @@ static kn_status split_at(kn_ctx *ctx, builder *b, const fragment *f, int c, int
     return status;
 }
 
+// The first line above lo.
+static double next_line(const builder *b, int c, double lo)
+{
+    double line = floor(lo) + 1.0;
+    for (int k = 0; b->change && k < b->change->ncuts[c]; k++) {
+        double x = floor(lo) + b->change->cuts[c][k];
+        line = fmin(line, x > lo ? x : x + 1.0);
+    }
+    return line;
+}
+
 // Cuts f at the lines that coordinate c crosses, c = u and then c = v, as far as it crosses them isoparametrically.
 static kn_status split(kn_ctx *ctx, builder *b, fragment *f, int c, int halvings)
 {
@@ -174,7 +186,7 @@ static kn_status split(kn_ctx *ctx, builder *b, fragment *f, int c, int halvings
     const kn_bezier *d = &f->d;
     double lo, hi, x[KN_MAX_DEGREE + 1];
     range(&lo, &hi, d, c);
-    double line = floor(lo) + 1.0;
+    double line = next_line(b, c, lo);
     int first, axis = -1;
     for (int v = d->nvars - 1; v >= 0; v--)
         if (depends_on(x, d, c, v)) axis = v;
@@ -241,7 +253,7 @@ static kn_status cut_spline(kn_ctx *ctx, builder *b, const kn_tile *tile, const 
 kn_status kn_job_cut_patches(kn_ctx *ctx, kn_job_patches *out, const kn_tile *tile, const kn_job_options *options,
                              const kn_job_change *change)
 {
-    builder b = {.out = out};
+    builder b = {.out = out, .change = change};
     kn_status status = KN_OK;
     int before = out->n;
     for (b.part = 0; status == KN_OK && b.part < tile->nparts; b.part++) {

@@ -90,7 +90,7 @@ static kn_status plan_bunch(kn_ctx *ctx, void *user, size_t index, void **out)
     kn_status status = b->list ? KN_OK : KN_ENOMEM;
     for (size_t i = first; status == KN_OK && i < first + n; i++) {
         kn_job_cell_plan plan = {0};
-        status = kn_job_plan_cell(ctx, &plan, p->job, i);
+        status = kn_job_plan_cell(ctx, &plan, p->job, i, true);
         if (status == KN_OK) keep(ctx, b, &plan, i);
     }
     if (status == KN_OK)

@@ -6,12 +6,19 @@
 
 // Whether S is not one polynomial over the box: a line strictly inside it at which S has a knot, or the seam of a
 // closed direction. Beyond open ends S's end pieces are extended.
-static bool crosses_knot(const kn_job_surface *s, const int cell[2], const double lo[2], const double hi[2])
+static bool crosses_knot(const kn_job *job, const kn_job_place *place, const double lo[2], const double hi[2])
 {
     for (int d = 0; d < 2; d++)
         for (double line = floor(lo[d]) + 1.0; line < hi[d]; line += 1.0)
-            if (kn_job_is_knot(s, cell, d, line)) return true;
+            if (kn_job_is_knot(job, &job->surfaces[place->surface], place->cell, d, line)) return true;
     return false;
+}
+
+// Where patches may cross lines, those that lie wholly or partly in other cells are composed there (kn_job_cross).
+static bool lies_beyond(const kn_job *job, const kn_bezier *d, const double lo[2], const double hi[2])
+{
+    if (job->options.crossing == KN_CROSSING_REFUSE || d->nvars > 2) return false;
+    return lo[0] < 0.0 || lo[1] < 0.0 || hi[0] > 1.0 || hi[1] > 1.0;
 }
 
 static double spread(const kn_bezier *d)
@@ -83,9 +90,12 @@ static kn_status plan_rect(kn_ctx *ctx, kn_job_cell_plan *plan, const kn_job_lea
     double lo[2], hi[2];
     kn_job_box(lo, hi, &d);
     int depth = rect->level[0] + rect->level[1] + rect->level[2], index = 0, var = 0;
-    bool crosses = crosses_knot(&plan->job->surfaces[place->surface], place->cell, lo, hi), done = false;
-    if (crosses) {
+    bool crosses = crosses_knot(plan->job, place, lo, hi), done = false;
+    if (crosses || lies_beyond(plan->job, &d, lo, hi)) {
+        bool outline = plan->pieces.outline;
+        plan->pieces.outline = false;
         status = kn_job_cross(ctx, &done, plan, leaf, place, &d);
+        plan->pieces.outline = outline;
     } else {
         status = kn_job_pieces_get(ctx, &index, &plan->pieces, place, lo, hi);
         if (status == KN_OK && plan->pieces.list[index].fits) {
@@ -152,7 +162,8 @@ kn_status kn_job_cut_own(kn_ctx *ctx, kn_job_patches *out, const kn_job *job, in
                          const kn_job_instance *instance)
 {
     change c = {job, surface, cell, instance};
-    const kn_job_change changes = {&c, change_patch};
+    kn_job_change changes = {.user = &c, .apply = change_patch};
+    kn_job_take_cuts(&changes, job);
     int first = out->n;
     kn_status status = kn_job_cut_patches(ctx, out, &job->tile, &job->options, &changes);
     bool mirrored = kn_job_map_mirrors(instance->map);
@@ -181,15 +192,20 @@ static kn_status plan_instance(kn_ctx *ctx, kn_job_cell_plan *plan, kn_job_insta
     } else {
         status = plan_own(ctx, plan, instance);
     }
-    return status == KN_OK ? kn_job_map_meshes(ctx, plan, instance) : status;
+    bool outline = plan->pieces.outline;
+    plan->pieces.outline = false;
+    if (status == KN_OK) status = kn_job_map_meshes(ctx, plan, instance);
+    plan->pieces.outline = outline;
+    return status;
 }
 
-kn_status kn_job_plan_cell(kn_ctx *ctx, kn_job_cell_plan *plan, const kn_job *job, size_t index)
+kn_status kn_job_plan_cell(kn_ctx *ctx, kn_job_cell_plan *plan, const kn_job *job, size_t index, bool outline)
 {
     kn_job_instance_list instances = {0};
     *plan = (kn_job_cell_plan){.job = job, .shared = true, .normal = {.certified = true}};
     kn_job_locate(job, index, &plan->surface, plan->cell);
     plan->pieces.job = job;
+    plan->pieces.outline = outline;
     kn_status status = kn_job_has_cell(ctx, &plan->there, job, plan->surface, plan->cell);
     if (status == KN_OK && plan->there) status = kn_job_instances(ctx, &instances, job, plan->surface, plan->cell);
     for (int i = 0; status == KN_OK && i < instances.count; i++)

@@ -34,7 +34,8 @@ kn_status kn_job_add_variant(kn_ctx *ctx, int *variant, kn_job *job, const doubl
 {
     double copy[3][4];
     for (int i = 0; i < 12; i++) copy[i / 4][i % 4] = map[i / 4][i % 4];
-    const kn_job_change change = {copy, change_patch};
+    kn_job_change change = {.user = copy, .apply = change_patch};
+    kn_job_take_cuts(&change, job);
     kn_job_variant *list = kn_resize(ctx, job->variants, (size_t)job->nvariants + 1, sizeof *list);
     if (!list) return KN_ENOMEM;
     job->variants = list;

@@ -215,25 +215,61 @@ static kn_status make_terms(kn_ctx *ctx, kn_shell_piece *p, kn_bezier *n, const 
     return status;
 }
 
-kn_status kn_shell_piece_init(kn_ctx *ctx, kn_shell_piece *out, bool *fits, const kn_shell *shell, const int cell[2],
-                              const double lo[2], const double hi[2], int degree_sum)
+// ---- what is known without coefficients ----
+
+static void add_outline(kn_shell_piece *p, const int degree[2], int power, bool homogeneous)
 {
-    kn_shell_piece p = {.exact = true, .normal = shell->certificate};
-    kn_bezier n = {0};
-    box b = {.plain = true, .inside = true};
+    const kn_bezier *s = &p->term[0];
+    kn_bezier *t = &p->term[p->nterms];
+    bool times_weight = p->nterms > 0 && s->rational && !homogeneous;
+    *t = (kn_bezier){.nvars = 2, .ncomp = s->rational ? 4 : 3, .rational = s->rational};
+    for (int v = 0; v < 2; v++) t->degree[v] = degree[v] + (times_weight ? s->degree[v] : 0);
+    p->power[p->nterms++] = power;
+}
+
+static void make_outline(kn_shell_piece *p, const kn_shell *s, const box *b)
+{
+    size_t span = (size_t)b->span[0] * (size_t)(s->nknots[1] - 1) + (size_t)b->span[1];
+    p->term[0].rational = s->span[span].rational;
+    add_outline(p, s->span[span].degree, 0, false);
+    if (s->kind == KN_SHELL_NORMAL) {
+        size_t cut = (size_t)b->cut[0] * (size_t)(s->ncuts[1] - 1) + (size_t)b->cut[1];
+        int degree[2];
+        for (int v = 0; v < 2; v++)
+            degree[v] = s->normal_piece[cut].degree[v] +
+                        (s->thickness.whole.coef ? s->thickness.span[span].degree[v] : 0);
+        p->normal = s->certificates[cut];
+        add_outline(p, degree, 1, false);
+    }
+    for (int k = 0; k < s->nfields; k++)
+        add_outline(p, s->field[k].span[span].degree, s->field[k].power, s->homogeneous);
+}
+
+static kn_status find_box(kn_ctx *ctx, box *b, const kn_shell *shell, const int cell[2], const double lo[2],
+                          const double hi[2])
+{
+    *b = (box){.plain = true, .inside = true};
     if (!kn_shell_has_terms(shell)) return kn_fail(ctx, KN_EDOMAIN, "shell piece: the volume has knots in w");
     for (int v = 0; v < 2; v++) {
         if (!(lo[v] < hi[v]) || !isfinite(hi[v] - lo[v]))
             return kn_fail(ctx, KN_EDOMAIN, "shell piece: box [%g, %g] in variable %d", lo[v], hi[v], v);
-        place(&b, shell, v, cell[v], lo[v], hi[v]);
-        if (b.crosses[v])
+        place(b, shell, v, cell[v], lo[v], hi[v]);
+        if (b->crosses[v])
             return kn_fail(ctx, KN_EDOMAIN, "shell piece: [%g, %g] of cell %d has a knot of the surface inside",
                            lo[v], hi[v], cell[v]);
     }
+    return KN_OK;
+}
+
+static kn_status make_piece(kn_ctx *ctx, kn_shell_piece *out, bool *fits, const kn_shell *shell, const box *b,
+                            int degree_sum)
+{
+    kn_shell_piece p = {.exact = true, .normal = shell->certificate};
+    kn_bezier n = {0};
     bool found = true;
     kn_status status = KN_OK;
-    if (shell->kind == KN_SHELL_NORMAL) status = find_normal(ctx, &n, &p, &found, shell, &b, degree_sum);
-    if (status == KN_OK && found) status = make_terms(ctx, &p, &n, shell, &b);
+    if (shell->kind == KN_SHELL_NORMAL) status = find_normal(ctx, &n, &p, &found, shell, b, degree_sum);
+    if (status == KN_OK && found) status = make_terms(ctx, &p, &n, shell, b);
     if (status == KN_OK) *fits = found;
     if (status == KN_OK && found) {
         *out = p;
@@ -242,4 +278,25 @@ kn_status kn_shell_piece_init(kn_ctx *ctx, kn_shell_piece *out, bool *fits, cons
     kn_bezier_clear(ctx, &n);
     kn_shell_piece_clear(ctx, &p);
     return status;
+}
+
+kn_status kn_shell_piece_outline(kn_ctx *ctx, kn_shell_piece *out, bool *fits, const kn_shell *shell,
+                                 const int cell[2], const double lo[2], const double hi[2], int degree_sum)
+{
+    box b;
+    kn_status status = find_box(ctx, &b, shell, cell, lo, hi);
+    if (status != KN_OK) return status;
+    if (!b.plain) return make_piece(ctx, out, fits, shell, &b, degree_sum);
+    *out = (kn_shell_piece){.exact = true, .normal = shell->certificate};
+    make_outline(out, shell, &b);
+    *fits = true;
+    return KN_OK;
+}
+
+kn_status kn_shell_piece_init(kn_ctx *ctx, kn_shell_piece *out, bool *fits, const kn_shell *shell, const int cell[2],
+                              const double lo[2], const double hi[2], int degree_sum)
+{
+    box b;
+    kn_status status = find_box(ctx, &b, shell, cell, lo, hi);
+    return status == KN_OK ? make_piece(ctx, out, fits, shell, &b, degree_sum) : status;
 }

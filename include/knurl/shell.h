@@ -210,6 +210,11 @@ typedef struct kn_shell_piece {
 KN_API KN_CHECKED kn_status kn_shell_piece_init(kn_ctx *ctx, kn_shell_piece *out, bool *fits, const kn_shell *shell,
                                                 const int cell[2], const double lo[2], const double hi[2],
                                                 int degree_sum);
+// The same answers, for who only wants to know what the piece is: where n is the shell's own inside the domain, terms
+// have their degrees and no coefficients (coef NULL). cost: then some 100 ns.
+KN_API KN_CHECKED kn_status kn_shell_piece_outline(kn_ctx *ctx, kn_shell_piece *out, bool *fits, const kn_shell *shell,
+                                                   const int cell[2], const double lo[2], const double hi[2],
+                                                   int degree_sum);
 KN_API void kn_shell_piece_clear(kn_ctx *ctx, kn_shell_piece *piece);
 
 // ---- the inverse ----
