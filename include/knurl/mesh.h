@@ -11,8 +11,8 @@
 extern "C" {
 #endif
 
-// position and normal: 3 numbers a vertex (normal unit length, or NULL: not known); triangle: 3 vertex indices each, counterclockwise
-// seen from outside. A zero-initialised kn_mesh is a valid empty one; kn_mesh_clear frees it.
+// position and normal: 3 numbers a vertex (normal unit length, or NULL: not known); triangle: 3 vertex indices each,
+// counterclockwise seen from outside. A zero-initialised kn_mesh is a valid empty one; kn_mesh_clear frees it.
 typedef struct kn_mesh {
     size_t nvertices, ntriangles;
     double *position, *normal;
@@ -44,8 +44,8 @@ KN_API KN_CHECKED kn_status kn_mesh_add_patch(kn_ctx *ctx, kn_mesh *mesh, const 
 
 // ---- meshes through maps ----
 
-// *point = the image of `from`; normal (NULL: not wanted) = that of geometry with from_normal there, unit length, or 0
-// where there is none. Called from one thread; a point has one image however often it is asked for.
+// *point = the image of `from`; normal (NULL: not wanted) = that of geometry with from_normal there, unit length, or
+// 0 where there is none. Called from one thread; a point has one image however often it is asked for.
 typedef kn_status (*kn_mesh_function)(kn_ctx *ctx, void *user, double point[3], double *normal, const double from[3],
                                       const double *from_normal);
 // Zero means the default in every field.
@@ -66,19 +66,20 @@ KN_API kn_mesh_map_options kn_mesh_map_defaults(void);
 //         *deviation (NULL: not wanted): the largest distance that was measured and left.
 // fails:  what the function answers; KN_EDOMAIN a tolerance that is negative or not finite, a vertex that is not
 //         there; KN_ELIMIT triangles; KN_ECANCELLED, KN_ENOMEM; out unchanged.
-// error:  distances are measured, not certified: at three points of each edge, against its chord, and in the middle of
+// error:  distances are measured, not certified: at three points of each edge, against its chord, and in the middle
+// of
 //         each triangle, against its plane. An edge is halved 12 times at most: *deviation then tells.
 // cost:   four calls of the function for each edge of the result and two for each triangle.
 // source: Elber 2005, sidebar "Polygonal Composition Algorithm".
 KN_API KN_CHECKED kn_status kn_mesh_map_by(kn_ctx *ctx, kn_mesh *out, double *deviation, const kn_mesh *mesh,
-                                           kn_mesh_function function, void *user,
-                                           const kn_mesh_map_options *options);
+                                           kn_mesh_function function, void *user, const kn_mesh_map_options *options);
 // The same through a shell: (u, v, w) are the shell's own parameters (kn_shell_eval).
 KN_API KN_CHECKED kn_status kn_mesh_map(kn_ctx *ctx, kn_mesh *out, double *deviation, const kn_mesh *mesh,
                                         const kn_shell *shell, const kn_mesh_map_options *options);
 
 // The same for what a trim leaves of the patch (kn_trim_check accepts it, and its loops do not meet; empty: all).
-// out:    vertices at points along the trim, and at corners of the grid inside it. Points along edges of the square are
+// out:    vertices at points along the trim, and at corners of the grid inside it. Points along edges of the square
+// are
 //         those of kn_mesh_add_patch there, and the ends of curves of the trim; points along other curves depend, in
 //         (r,t), on the curve and the segments alone, whichever way it runs, so that both sides of a cut share them.
 //         Triangles keep three tenths of a step between the grid and the trim; beside it they follow its points.
@@ -86,6 +87,39 @@ KN_API KN_CHECKED kn_status kn_mesh_map(kn_ctx *ctx, kn_mesh *out, double *devia
 // cost:   that of each vertex singly, and n^2 for n points along the trim and around the boxes inside.
 KN_API KN_CHECKED kn_status kn_mesh_add_trimmed(kn_ctx *ctx, kn_mesh *mesh, const kn_bezier *patch,
                                                 const kn_trim *trim, const int segments[2], bool reversed);
+
+// What kind of surface a mesh is. Of one component without irregular edges: euler = 2 - 2 genus - loops.
+typedef struct kn_mesh_topology {
+    size_t vertices, edges; // of its triangles
+    size_t border;          // edges of one triangle
+    size_t irregular;       // edges of more than two triangles, or of two that run along it the same way, or from a
+                            // vertex to itself; and vertices that the border passes more than once
+    int components, loops;  // loops: of the border
+    long euler;             // vertices - edges + triangles
+} kn_mesh_topology;
+// fails: KN_EDOMAIN a triangle that refers to no vertex; KN_ENOMEM; out unchanged. cost: a sort of all edges.
+KN_API KN_CHECKED kn_status kn_mesh_survey(kn_ctx *ctx, kn_mesh_topology *out, const kn_mesh *mesh);
+// Lays a disk flat without a fold: its border on the unit circle, counterclockwise, by its length, all other vertices
+// the weighted mean of their neighbours, with the weights of the Laplacian kept in [0.05, 20].
+// in:     mesh: one component, one border loop, Euler characteristic 1; start: the border vertex that goes to (1,0).
+// out:    xy: 2 numbers for each vertex, (0,0) for those that no triangle has.
+// fails:  KN_EDOMAIN no disk, start; KN_EUNDECIDED the equations are not solved, or a triangle vanishes, to rounding;
+//         KN_ECANCELLED, KN_ENOMEM; xy unchanged.
+// error:  the residual is below 1e-9 of the first; that triangles keep their sides is checked.
+// cost:   some sqrt(n) steps of conjugate gradients, n log n for the sort.
+// source: Tutte, How to draw a graph, Proc. LMS 13 (1963); Floater, One-to-one piecewise linear mappings over
+//         triangulations, Math. Comp. 72 (2003); Pinkall & Polthier, Computing discrete minimal surfaces and their
+//         conjugates, Exp. Math. 2 (1993).
+KN_API KN_CHECKED kn_status kn_mesh_flatten(kn_ctx *ctx, double *xy, const kn_mesh *mesh, uint32_t start);
+// One connectivity for two meshes: out is a's surface, and vertex i of it turns into target[i] on b.
+// in:     the same triangles, vertex by vertex; or two disks (kn_mesh_flatten), over one flat disk then, the border
+//         vertices that lie farthest in the first coordinate on one another.
+// out:    mesh: initialised, overwritten; a's triangles, quartered up to four times until there are as many as b has;
+//         without normals. *target: 3 numbers a vertex, for kn_free. Positions on b are sampled: points of b's
+//         surface at a's vertices; what of b lies between them is lost.
+// fails:  KN_EDOMAIN neither (the message says what they are), KN_ELIMIT, and as kn_mesh_flatten; outputs unchanged.
+KN_API KN_CHECKED kn_status kn_mesh_morph(kn_ctx *ctx, kn_mesh *out, double **target, const kn_mesh *a,
+                                          const kn_mesh *b);
 
 #ifdef __cplusplus
 }

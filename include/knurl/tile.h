@@ -19,8 +19,8 @@ typedef struct kn_material {
     double metallic, roughness;
 } kn_material;
 
-// A named part of a tile: curves, surfaces (oriented outwards by r x t) and volumes (right-handed) of three components
-// (u, v, w), polynomial, and a triangle mesh of (u, v, w), in any mixture.
+// A named part of a tile: curves, surfaces (oriented outwards by r x t) and volumes (right-handed) of three
+// components (u, v, w), polynomial, and a triangle mesh of (u, v, w), in any mixture.
 typedef struct kn_tile_part {
     char name[KN_NAME_BYTES];
     kn_material material;
@@ -63,9 +63,9 @@ KN_API void kn_tile_clear(kn_ctx *ctx, kn_tile *tile);
 // out = the tile with all that belongs to it; overwritten. fails: KN_ENOMEM; out unchanged.
 KN_API KN_CHECKED kn_status kn_tile_copy(kn_ctx *ctx, kn_tile *out, const kn_tile *tile);
 
-// Appends a copy of a curve, surface or volume to a part; of a surface what lies in the trim, whose [0,1]^2 stands for
-// the surface's domain. fails: KN_EDOMAIN no such part, a trim for what is no surface; KN_ENOMEM; the tile is then
-// unchanged.
+// Appends a copy of a curve, surface or volume to a part; of a surface what lies in the trim, whose [0,1]^2 stands
+// for the surface's domain. fails: KN_EDOMAIN no such part, a trim for what is no surface; KN_ENOMEM; the tile is
+// then unchanged.
 KN_API KN_CHECKED kn_status kn_tile_add(kn_ctx *ctx, kn_tile *tile, int part, const kn_spline *spline);
 KN_API KN_CHECKED kn_status kn_tile_add_trimmed(kn_ctx *ctx, kn_tile *tile, int part, const kn_spline *surface,
                                                 const kn_trim *trim);
@@ -93,11 +93,23 @@ KN_API KN_CHECKED kn_status kn_tile_set_mesh_target(kn_ctx *ctx, kn_tile *tile, 
 // error: gamma(4) |x| (|target| + |base|) for each parameter and coordinate, x as in kn_tile_parameter.
 KN_API KN_CHECKED kn_status kn_tile_vary(kn_ctx *ctx, kn_tile *out, const kn_tile *tile, const double *values);
 
+// out = a tile with one parameter, "morph": a at 0, b at 1, and what lies between on the straight way of each control
+// point. Name, materials and aspect are a's; parameters of a and b stay at their values, and are gone.
+// in:     as many parts, and in each as many splines of the same kinds, one after the other, not trimmed; a mesh in
+// both
+//         parts or in none, two of which kn_mesh_morph finds one connectivity.
+// out:    overwritten, not cleared; may not be a or b. Splines over [0,1], their degrees and knots those of both.
+// fails:  KN_EDOMAIN what differs (the message says where), and what kn_tile_check finds; as
+// kn_spline_make_compatible
+//         and kn_mesh_morph; out unchanged.
+// error:  that of kn_spline_make_compatible: convex combinations.
+KN_API KN_CHECKED kn_status kn_tile_morph(kn_ctx *ctx, kn_tile *out, const kn_tile *a, const kn_tile *b);
+
 // KN_OK, or KN_EDOMAIN: the message names the part and the spline that is no polynomial (u,v,w) curve, surface or
 // volume, not finite, without length, area or volume (all coefficients of P_r, P_r x P_s, det(P_r, P_s, P_t) within
 // their rounding of zero), or a volume of which a Bezier piece is certainly left-handed; the trim that
-// kn_trim_check refuses; the vertex or triangle of a mesh that is not finite, refers to no vertex or to one twice; the
-// parameter without a name of its own, or with numbers that make no sense (value and target different, value in
+// kn_trim_check refuses; the vertex or triangle of a mesh that is not finite, refers to no vertex or to one twice;
+// the parameter without a name of its own, or with numbers that make no sense (value and target different, value in
 // [lo, hi]), and the target that is not finite or does not belong to its spline; or an aspect that is negative or not
 // finite, or nothing at all. Also what kn_spline_check finds, and KN_ENOMEM.
 KN_API KN_CHECKED kn_status kn_tile_check(kn_ctx *ctx, const kn_tile *tile);
@@ -116,14 +128,14 @@ typedef struct kn_tile_cover {
 KN_API KN_CHECKED kn_status kn_tile_cover_faces(kn_ctx *ctx, kn_tile_cover *cover, const kn_bezier *list, size_t n);
 
 // Quarter turns of the (u,v) cell about its centre, counterclockwise, any number, of all that the tile has, its
-// targets too: (u,v) -> (1-v, u), one rounding each. fails: KN_EDOMAIN a spline without polynomial values (u,v,w); the
-// tile is then unchanged. Allocates nothing.
+// targets too: (u,v) -> (1-v, u), one rounding each. fails: KN_EDOMAIN a spline without polynomial values (u,v,w);
+// the tile is then unchanged. Allocates nothing.
 KN_API KN_CHECKED kn_status kn_tile_rotate(kn_ctx *ctx, kn_tile *tile, int quarter_turns);
 
-// Makes a tile in coordinates of its own one over the unit cell: u and v of the rectangle u0, v0, u1, v1, u0 < u1, v0 <
-// v1, go from 0 to 1, w = height becomes 1, in all that the tile has, its targets too; aspect = height over the
-// rectangle's mean side. Allocates nothing.
-// fails: KN_EDOMAIN the cell, a height that is not positive, a spline without polynomial values (u,v,w); the tile is
+// Makes a tile in coordinates of its own one over the unit cell: u and v of the rectangle u0, v0, u1, v1, u0 < u1, v0
+// < v1, go from 0 to 1, w = height becomes 1, in all that the tile has, its targets too; aspect = height over the
+// rectangle's mean side. Allocates nothing. fails: KN_EDOMAIN the cell, a height that is not positive, a spline
+// without polynomial values (u,v,w); the tile is
 //        then unchanged.
 // error: two roundings a coordinate.
 KN_API KN_CHECKED kn_status kn_tile_set_cell(kn_ctx *ctx, kn_tile *tile, const double cell[4], double height);
@@ -147,8 +159,8 @@ typedef struct kn_tile_gap {
     int offset[2];
     double at;       // parameter of the edge, in [0,1]
     double point[3]; // where that is
-    // What is amiss there, estimated. Order -1: the distance to the mate's point of the same parameter. 0: the angle of
-    // the normals, or of tangents of curves. 1: the difference of curvatures across.
+    // What is amiss there, estimated. Order -1: the distance to the mate's point of the same parameter. 0: the angle
+    // of the normals, or of tangents of curves. 1: the difference of curvatures across.
     double amount;
 } kn_tile_gap;
 
@@ -175,14 +187,14 @@ typedef struct kn_tile_periodicity_report {
 } kn_tile_periodicity_report;
 
 // Whether the tiling is continuous (definition 5 of the source), and to which order G^k, across each family of lines
-// between cells and inside. Two edges are one when their control points, raised to one degree and moved by whole cells,
-// agree within the tolerance, run alike or the other way. Edges are those of surfaces' Bezier pieces, of faces of
-// volumes that no other face meets, of triangles, and the ends of curves; edges that are a point need no mate. An edge
-// without a mate breaks continuity when it, or a curve's end, lies in a line between cells: the tile was cut there.
-// Others are open edges of a tile that stands alone, or reaches over its neighbours.
-// A joint is G1 when det(T, A, B) = 0 for all of the edge, T its tangent, A and B the derivatives across it, and A and
-// B lie on one side of T; G2 when, moreover, the normal curvature along B is the same on both sides.
-// in:     tile: as kn_tile_check wants it, at its parameters' values (targets are not looked at); tolerances > 0
+// between cells and inside. Two edges are one when their control points, raised to one degree and moved by whole
+// cells, agree within the tolerance, run alike or the other way. Edges are those of surfaces' Bezier pieces, of faces
+// of volumes that no other face meets, of triangles, and the ends of curves; edges that are a point need no mate. An
+// edge without a mate breaks continuity when it, or a curve's end, lies in a line between cells: the tile was cut
+// there. Others are open edges of a tile that stands alone, or reaches over its neighbours. A joint is G1 when det(T,
+// A, B) = 0 for all of the edge, T its tangent, A and B the derivatives across it, and A and B lie on one side of T;
+// G2 when, moreover, the normal curvature along B is the same on both sides. in:     tile: as kn_tile_check wants it,
+// at its parameters' values (targets are not looked at); tolerances > 0
 //         or 0 for the default.
 // out:    overwritten.
 // fails:  KN_EDOMAIN the tile, the options; KN_ELIMIT more than 2^29 edges; KN_ENOMEM, KN_ECANCELLED.
@@ -218,7 +230,8 @@ KN_API void kn_tile_coverage_clear(kn_ctx *ctx, kn_tile_coverage_report *report)
 // not at all, a trimmed surface not at all (it may be bare where it covers).
 // in:     as kn_tile_periodicity.
 // out:    overwritten, not cleared: kn_tile_coverage_clear.
-// fails:  KN_EDOMAIN the tile, the options; KN_ELIMIT as kn_tile_periodicity, or pieces that reach over more than 2^20
+// fails:  KN_EDOMAIN the tile, the options; KN_ELIMIT as kn_tile_periodicity, or pieces that reach over more than
+// 2^20
 //         cells together; KN_ENOMEM, KN_ECANCELLED. out unchanged.
 // error:  none in what is said to be covered (but for cracks within the tolerance) or bare, rounding included.
 //         Undecided remain boxes along the outlines of gaps that are no lines u or v = k 2^-depth, and where only
