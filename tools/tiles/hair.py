@@ -19,7 +19,7 @@ def fur(length=1.0, bend=0.625):
     for i in range(ACROSS):
         for j in range(ACROSS):
             u, v = [(k + between(0.2, 0.8)) / ACROSS for k in (i, j)]
-            radius, high = between(0.012, 0.018), between(0.65, 1.0)
+            radius, high = between(0.018, 0.026), between(0.7, 1.0)
             lean = min(between(0.25, 0.5), 0.97 - u), min(max(between(-0.15, 0.15), 0.03 - v), 0.97 - v)
             path = [(0, 0, 1.0), (0.2, 0.5, 0.85), (1, 1, 0)]  # share of the lean, of the length, of the radius
             hairs.append(Surface([[(u + bend * lean[0] * a + radius * c * x, v + bend * lean[1] * a + radius * c * y,

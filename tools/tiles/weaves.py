@@ -65,30 +65,30 @@ def strap(width, thickness):
     return [(width, 0), (w, thickness), (-w, thickness), (-width, 0), (-w, -thickness), (w, -thickness)]
 
 
-BASKET_ASPECT = 0.234375
+BASKET_ASPECT = 0.24609375
 
 
 @tile("basket", "basket weave: flat straps, over one and under one both ways", BASKET_ASPECT,
       {"weft": ((0.62, 0.44, 0.22), 0.0, 0.5), "warp": ((0.36, 0.2, 0.08), 0.0, 0.5)},
-      parameters={"width": (0.125, 0.1, 0.234375)})
-def basket(width=0.234375):
+      parameters={"width": (0.125, 0.1, 0.2265625)})
+def basket(width=0.2265625):
     """Two straps each way; width is half of theirs."""
-    rise, section = 0.0703125, strap(width, 0.0390625)
+    rise, section = 0.0859375, strap(width, 0.03125)
     weft = [woven(v, phase, rise, section) for v, phase in ((0.25, 1), (0.75, -1))]
     warp = [along_v(woven(v, -phase, rise, section)) for v, phase in ((0.25, 1), (0.75, -1))]
     cell = lambda strands: [s.in_cell(BASKET_ASPECT, -BASKET_ASPECT / 2) for s in strands]
     return {"weft": cell(weft), "warp": cell(warp)}
 
 
-KNIT_ASPECT = 0.5234375
-KNIT_LEAN, KNIT_DEPTH = 1.5, 0.17
-KNIT_AT = [0.24, 0.72, 1.05, 1.4]  # of a quarter of the stitch: the second and third lie about the cell's border
+KNIT_ASPECT = 0.578125
+KNIT_LEAN, KNIT_DEPTH = 1.6, 0.19
+KNIT_AT = [0.26, 0.72, 1.1, 1.4]  # of a quarter of the stitch: the second and third lie about the cell's border
 
 
 @tile("knit", "stockinette knitting: a stitch in each cell, hung into those of the rows before and behind", KNIT_ASPECT,
-      {"yarn": ((0.45, 0.04, 0.05), 0.0, 0.75)}, parameters={"thickness": (0.0625, 0.05, 0.1015625)})
-def knit(thickness=0.1015625):
-    """The stitch u = t + 1.5 sin 2t, v = cos t, z = -cos 2t, from the middle of its head (t = 0) to that of its foot,
+      {"yarn": ((0.45, 0.04, 0.05), 0.0, 0.75)}, parameters={"thickness": (0.0625, 0.05, 0.10546875)})
+def knit(thickness=0.10546875):
+    """The stitch u = t + 1.6 sin 2t, v = cos t, z = -cos 2t, from the middle of its head (t = 0) to that of its foot,
     where the next begins, and mirrored. It reaches beyond its row: head and feet are moved by a cell. thickness is the
     radius of the yarn."""
     at = KNIT_AT + [math.pi - t for t in reversed(KNIT_AT)]
