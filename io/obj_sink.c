@@ -56,20 +56,25 @@ static kn_status flush(kn_ctx *ctx, kn_out_file *file, kn_text *text)
     return status;
 }
 
+static kn_status name_parts(kn_ctx *ctx, obj *o, const kn_tile *tile)
+{
+    o->names = kn_alloc_zero(ctx, (size_t)tile->nparts, sizeof *o->names);
+    if (o->names == NULL) return KN_ENOMEM;
+    o->nparts = tile->nparts;
+    for (int i = 0; i < tile->nparts; i++) copy_name(o->names[i], tile->parts[i].name, i);
+    return KN_OK;
+}
+
 static kn_status obj_begin(kn_ctx *ctx, void *user, const kn_tile *tile, const kn_job_report *report)
 {
     (void)report;
     obj *o = user;
-    o->names = kn_alloc_zero(ctx, (size_t)tile->nparts, sizeof *o->names);
-    if (o->names == NULL) return KN_ENOMEM;
-    o->nparts = tile->nparts;
+    kn_status status = name_parts(ctx, o, tile);
+    if (status != KN_OK) return status;
     kn_text text = {.ctx = ctx};
     kn_text_put(&text, "# knurl " KN_VERSION_STRING "\n");
-    for (int i = 0; i < tile->nparts; i++) {
-        copy_name(o->names[i], tile->parts[i].name, i);
-        put_material(&text, o->names[i], &tile->parts[i].material);
-    }
-    kn_status status = flush(ctx, o->materials, &text);
+    for (int i = 0; i < tile->nparts; i++) put_material(&text, o->names[i], &tile->parts[i].material);
+    status = flush(ctx, o->materials, &text);
     kn_text_put(&text, "# knurl " KN_VERSION_STRING "\nmtllib ");
     kn_text_put(&text, o->library);
     kn_text_newline(&text);
@@ -114,6 +119,24 @@ static void put_mesh(kn_text *text, const kn_mesh *mesh)
     }
 }
 
+// A curve as a polyline.
+static kn_status put_line(kn_ctx *ctx, kn_text *text, const kn_patch *patch)
+{
+    size_t n = kn_patch_line_points(patch);
+    kn_mark mark = kn_scratch_mark(ctx);
+    double *p = kn_scratch(ctx, n, 3 * sizeof *p);
+    kn_status status = p ? kn_patch_line(ctx, p, patch) : KN_ENOMEM;
+    for (size_t i = 0; status == KN_OK && i < n; i++) put_vector(text, "v", p[3 * i], p[3 * i + 1], p[3 * i + 2]);
+    kn_text_char(text, 'l');
+    for (size_t i = 0; i < n; i++) {
+        kn_text_put(text, " -");
+        kn_text_integer(text, n - i);
+    }
+    kn_text_newline(text);
+    kn_scratch_release(ctx, mark);
+    return status;
+}
+
 static void put_group(kn_text *text, const char *name)
 {
     kn_text_put(text, "g ");
@@ -143,12 +166,12 @@ static kn_status format(kn_ctx *worker, const obj *o, const kn_patch_block *bloc
         if (patch->id.part < 0 || patch->id.part >= o->nparts)
             status = kn_fail(worker, KN_EDOMAIN, "OBJ: a patch of part %d, of %d", patch->id.part, o->nparts);
         mesh.nvertices = mesh.ntriangles = 0;
-        if (status == KN_OK)
-            status = kn_mesh_add_patch(worker, &mesh, &patch->bezier, patch->segments, patch->reversed);
+        if (status == KN_OK) status = kn_patch_tessellate(worker, &mesh, patch);
         if (status != KN_OK) break;
         if (patch->id.part != part) put_group(text, o->names[patch->id.part]);
         part = patch->id.part;
         put_mesh(text, &mesh);
+        if (kn_patch_line_points(patch) > 0) status = put_line(worker, text, patch);
     }
     kn_mesh_clear(worker, &mesh);
     return status == KN_OK && text->failed ? KN_ENOMEM : status;
@@ -200,6 +223,27 @@ static size_t obj_bytes(const void *user)
     return kn_out_bytes(o->file) + kn_out_bytes(o->materials);
 }
 
+static kn_status obj_save(kn_ctx *ctx, void *user, unsigned char **data, size_t *bytes)
+{
+    obj *o = user;
+    kn_state state = {.ctx = ctx};
+    kn_status status = kn_out_save(ctx, o->file, &state);
+    if (status == KN_OK) status = kn_out_save(ctx, o->materials, &state);
+    return kn_state_give(&state, data, bytes, status);
+}
+
+static kn_status obj_restore(kn_ctx *ctx, void *user, const kn_tile *tile, const kn_job_report *report,
+                             const unsigned char *data, size_t bytes)
+{
+    (void)report;
+    obj *o = user;
+    kn_state_reader r = {data, bytes};
+    kn_status status = name_parts(ctx, o, tile);
+    if (status == KN_OK) status = kn_out_restore(ctx, o->file, &r);
+    if (status == KN_OK) status = kn_out_restore(ctx, o->materials, &r);
+    return status == KN_OK && r.bytes > 0 ? kn_state_fail(ctx, "OBJ") : status;
+}
+
 // path with its ending replaced by .mtl (added, when it has none) in *whole, and the place of its last part.
 static kn_status library_name(kn_ctx *ctx, char **whole, size_t *last, const char *path)
 {
@@ -229,6 +273,7 @@ kn_status kn_obj_sink(kn_ctx *ctx, kn_sink *out, const char *path)
         return status;
     }
     memmove(o->library, o->library + last, strlen(o->library + last) + 1);
-    *out = (kn_sink){o, obj_begin, obj_work, obj_commit, obj_discard, obj_end, obj_close, obj_bytes};
+    *out = (kn_sink){o,       obj_begin, obj_work,  obj_commit, obj_discard,
+                     obj_end, obj_close, obj_bytes, obj_save,   obj_restore};
     return KN_OK;
 }

@@ -111,7 +111,7 @@ static kn_status stl_work(kn_ctx *worker, void *user, const kn_patch_block *bloc
     for (size_t i = 0; i < block->count && status == KN_OK; i++) {
         const kn_patch *patch = &block->patches[i];
         mesh.nvertices = mesh.ntriangles = 0;
-        status = kn_mesh_add_patch(worker, &mesh, &patch->bezier, patch->segments, patch->reversed);
+        status = kn_patch_tessellate(worker, &mesh, patch);
         if (status == KN_OK) status = append(worker, p, &mesh, patch);
     }
     kn_mesh_clear(worker, &mesh);
@@ -157,13 +157,37 @@ static size_t stl_bytes(const void *user)
     return kn_out_bytes(s->file);
 }
 
+static kn_status stl_save(kn_ctx *ctx, void *user, unsigned char **data, size_t *bytes)
+{
+    stl *s = user;
+    kn_state state = {.ctx = ctx};
+    kn_status status = kn_out_save(ctx, s->file, &state);
+    kn_state_put(&state, &s->triangles, sizeof s->triangles);
+    return kn_state_give(&state, data, bytes, status);
+}
+
+static kn_status stl_restore(kn_ctx *ctx, void *user, const kn_tile *tile, const kn_job_report *report,
+                             const unsigned char *data, size_t bytes)
+{
+    (void)tile, (void)report;
+    stl *s = user;
+    kn_state_reader r = {data, bytes};
+    uint64_t triangles;
+    kn_status status = kn_out_restore(ctx, s->file, &r);
+    if (status != KN_OK) return status;
+    if (!kn_state_take(&r, &triangles, sizeof triangles) || r.bytes > 0) return kn_state_fail(ctx, "STL");
+    s->triangles = triangles;
+    return KN_OK;
+}
+
 kn_status kn_stl_sink(kn_ctx *ctx, kn_sink *out, const char *path)
 {
     stl *s = kn_alloc_zero(ctx, 1, sizeof *s);
     if (s == NULL) return KN_ENOMEM;
     kn_status status = kn_out_open(ctx, &s->file, path);
     if (status == KN_OK)
-        *out = (kn_sink){s, stl_begin, stl_work, stl_commit, stl_discard, stl_end, stl_close, stl_bytes};
+        *out = (kn_sink){s,       stl_begin, stl_work,  stl_commit, stl_discard,
+                         stl_end, stl_close, stl_bytes, stl_save,   stl_restore};
     else
         kn_free(ctx, s);
     return status;

@@ -172,6 +172,9 @@ static kn_status compose_ref(kn_ctx *ctx, composer *c, kn_job_ref ref, const int
     kn_job_degree(from, key, degree);
     kn_patch *to = next_patch(ctx, c, from, key, ref.instance, cell, degree, from->d.nvars);
     if (!to) return KN_EUNDECIDED;
+    if (from->d.nvars == 3 &&
+        kn_job_hide_faces(ctx, &to->hidden, c->job, from, &key->rect, c->surface, cell) != KN_OK)
+        return kn_ctx_error(ctx);
     kn_status status = leaf_piece(ctx, c, &index, key, cell);
     if (status != KN_OK) return status;
     const kn_job_piece *p = &c->pieces.list[index];
@@ -228,6 +231,9 @@ static kn_status compose_leaf(kn_ctx *ctx, composer *c, const kn_job_cell_plan *
     }
     kn_patch *to = next_patch(ctx, c, from, &leaf->key, (uint32_t)leaf->instance, plan->cell, degree, nvars);
     if (!to) return KN_EUNDECIDED;
+    if (nvars == 3 &&
+        kn_job_hide_faces(ctx, &to->hidden, c->job, from, &leaf->key.rect, c->surface, plan->cell) != KN_OK)
+        return kn_ctx_error(ctx);
     if (leaf->trim.nloops > 0) to->trim = &leaf->trim;
     if (leaf->mesh.position) {
         to->id.part = leaf->part, to->id.patch = leaf->patch;

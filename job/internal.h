@@ -25,6 +25,7 @@ typedef struct kn_job_patch {
     double top;                              // max |w|
     bool mirrored;                           // d runs the other way round than the tile's: outward is -(r x t)
     kn_bezier d;                             // of one to three variables
+    kn_tile_cover cover[6];                  // of the faces of a volume; cell: how far the tile is that hides it
     double lo[KN_JOB_VARS], hi[KN_JOB_VARS]; // where in the Bezier patch's [0,1]^n it lies
 } kn_job_patch;
 typedef struct kn_job_patches {
@@ -287,6 +288,13 @@ void kn_job_patches_clear(kn_ctx *ctx, kn_job_patches *patches);
 double kn_job_place_w(const kn_job_options *options, double w);
 // The largest degree of job->tile's splines, and so of all patches.
 int kn_job_tile_degree(const kn_job *job);
+
+// ---- faces.c ----
+// cover of the volumes among patches->list[first ..], which are those of one tile.
+kn_status kn_job_cover_faces(kn_ctx *ctx, kn_job_patches *patches, int first);
+// kn_patch.hidden of a part of a volume in a cell.
+kn_status kn_job_hide_faces(kn_ctx *ctx, uint8_t *hidden, const kn_job *job, const kn_job_patch *patch,
+                            const kn_job_rect *rect, int surface, const int cell[2]);
 
 // ---- rect.c ----
 // The part of a patch that rect names, after the turn of a place (kn_job_place).

@@ -261,6 +261,7 @@ kn_status kn_job_cut_patches(kn_ctx *ctx, kn_job_patches *out, const kn_tile *ti
         for (b.spline = 0; status == KN_OK && b.spline < tile->parts[b.part].nsplines; b.spline++)
             status = cut_spline(ctx, &b, tile, options, change);
     }
+    if (status == KN_OK) status = kn_job_cover_faces(ctx, out, before);
     while (status != KN_OK && out->n > before) kn_bezier_clear(ctx, &out->list[--out->n].d);
     return status;
 }

@@ -141,7 +141,10 @@ static void count_leaf(kn_job_report *r, const kn_job *job, int nvars, const kn_
     r->exact_patches += key->exact ? uses : 0;
     r->control_points += uses * kn_job_numbers(degree);
     r->triangles += uses * kn_job_triangles(nvars, segments);
-    for (int d = 0; d < 2; d++) r->degree[d] = larger(r->degree[d], degree[d]);
+    r->curves += nvars == 1 ? uses : 0;
+    r->volumes += nvars == 3 ? uses : 0;
+    int most = nvars == 3 ? larger(degree[0], larger(degree[1], degree[2])) : 0;
+    for (int d = 0; d < 2; d++) r->degree[d] = larger(r->degree[d], larger(degree[d], most));
 }
 
 static void count_own(kn_job *job, kn_job_alike *to, const kn_job_cell_plan *plan)
@@ -154,6 +157,8 @@ static void count_own(kn_job *job, kn_job_alike *to, const kn_job_cell_plan *pla
         to->npatches++;
         if (leaf->mesh.position) {
             r->patches++;
+            r->exact_patches++;
+            r->meshes++;
             r->triangles += leaf->mesh.ntriangles;
             continue;
         }

@@ -154,6 +154,14 @@ kn_status kn_job_make_shells(kn_ctx *ctx, kn_job *job, const kn_job_bases *bases
             all.w[1] = fmax(all.w[1], w[i]);
         }
     }
+    for (int p = 0; p < job->tile.nparts; p++) {
+        const kn_mesh *mesh = &job->tile.parts[p].mesh;
+        for (size_t i = 0; i < mesh->nvertices; i++) {
+            double w = kn_job_place_w(&job->options, mesh->position[3 * i + 2]);
+            all.w[0] = fmin(all.w[0], w);
+            all.w[1] = fmax(all.w[1], w);
+        }
+    }
     if (turns_over(job)) {
         double top = fmax(fabs(all.w[0]), fabs(all.w[1]));
         all.w[0] = -top, all.w[1] = top;

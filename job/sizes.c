@@ -40,31 +40,43 @@ static double mean_cell_size(const kn_job_measure *measures, int (*counts)[2], i
 }
 
 // The largest distance from the patch, u and v as long as `cell` and w as `w_length`, to its triangulation with
-// `segments` in each direction, measured in the middle of every edge of the triangles.
-static kn_status measure_chord(kn_ctx *ctx, double *chord, const kn_bezier *patch, int segments, double cell,
-                               double w_length)
+// `segments` in each direction, measured in the middle of every edge of the triangles. Of a volume on its face `face`,
+// of a curve along it.
+static kn_status measure_sheet(kn_ctx *ctx, double *chord, const kn_bezier *patch, int face, int segments,
+                               double cell, double w_length)
 {
-    size_t n = 2 * (size_t)segments + 1;
+    size_t n = 2 * (size_t)segments + 1, rows = patch->nvars == 1 ? 1 : n, nvars = (size_t)patch->nvars;
+    size_t fixed = nvars == 3 ? (size_t)face / 2 : nvars; // variable
     kn_mark mark = kn_scratch_mark(ctx);
-    double *at = kn_scratch(ctx, n * n, 2 * sizeof *at), *p = kn_scratch(ctx, n * n, 3 * sizeof *p);
+    double *at = kn_scratch(ctx, rows * n, nvars * sizeof *at), *p = kn_scratch(ctx, rows * n, 3 * sizeof *p);
     kn_status status = at && p ? KN_OK : KN_ENOMEM;
-    for (size_t i = 0; status == KN_OK && i < n * n; i++) {
-        at[2 * i] = (double)(i / n) / (double)(n - 1);
-        at[2 * i + 1] = (double)(i % n) / (double)(n - 1);
+    for (size_t i = 0; status == KN_OK && i < rows * n; i++) {
+        size_t index[2] = {i % n, i / n}, k = 0;
+        for (size_t v = nvars; v-- > 0;) // the last one fastest
+            at[nvars * i + v] = v == fixed ? face % 2 : (double)index[k++] / (double)(n - 1);
     }
-    if (status == KN_OK) status = kn_bezier_eval_batch(ctx, p, patch, n * n, at);
-    for (size_t i = 0; status == KN_OK && i < n * n; i++) {
+    if (status == KN_OK) status = kn_bezier_eval_batch(ctx, p, patch, rows * n, at);
+    for (size_t i = 0; status == KN_OK && i < rows * n; i++) {
         p[3 * i] *= cell;
         p[3 * i + 1] *= cell;
         p[3 * i + 2] *= w_length;
     }
-    *chord = 0.0;
-    for (size_t i = 0; status == KN_OK && i < n * n; i++) {
+    for (size_t i = 0; status == KN_OK && i < rows * n; i++) {
         // Ends of the edge whose middle is point i: along r, along t, or the diagonal; corners are none.
         size_t odd_r = (i / n) % 2, odd_t = (i % n) % 2, step = odd_r * n + odd_t;
         if (step != 0) *chord = fmax(*chord, kn_job_off_chord(p + 3 * i, p + 3 * (i - step), p + 3 * (i + step)));
     }
     kn_scratch_release(ctx, mark);
+    return status;
+}
+
+static kn_status measure_chord(kn_ctx *ctx, double *chord, const kn_bezier *patch, int segments, double cell,
+                               double w_length)
+{
+    kn_status status = KN_OK;
+    *chord = 0.0;
+    for (int face = 0; status == KN_OK && face < (patch->nvars == 3 ? 6 : 1); face++)
+        status = measure_sheet(ctx, chord, patch, face, segments, cell, w_length);
     return status;
 }
 

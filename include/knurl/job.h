@@ -175,7 +175,7 @@ typedef struct kn_job_report {
     size_t cells, patches, exact_patches, control_points, triangles;
     size_t dropped[KN_DROP_REASONS]; // cells that are not there
     size_t curves, volumes, meshes;  // of the patches: those that are no surfaces
-    int degree[2];                   // the largest in r and in t
+    int degree[2];                   // the largest in r and in t; of volumes, of all variables
     double height, cell_size;        // in force, length units
     kn_normal_certificate normal;    // over all pieces in use
     double normal_tol;               // in force
@@ -217,6 +217,19 @@ typedef struct kn_patch {
     int segments[3];     // in each variable, by which tessellations of neighbouring patches match
 } kn_patch;
 
+// ---- what a patch looks like ----
+// Appends triangles: of a surface (kn_mesh_add_patch, kn_mesh_add_trimmed), of the faces of a volume that are not
+// hidden, of a mapped mesh; none of a curve. fails: as those; the mesh holds what it held.
+KN_API KN_CHECKED kn_status kn_patch_tessellate(kn_ctx *ctx, kn_mesh *mesh, const kn_patch *patch);
+// The points of a curve at its segments: kn_patch_line_points of them (0: it is no curve), 3 numbers each.
+// fails: KN_EDOMAIN no curve, KN_ENOMEM.
+KN_API size_t kn_patch_line_points(const kn_patch *patch);
+KN_API KN_CHECKED kn_status kn_patch_line(kn_ctx *ctx, double *points, const kn_patch *patch);
+// out = the face of a volume where variable face / 2 ends (face % 2), as a surface with outside and segments; its
+// control points are the caller's (kn_bezier_clear), all else is borrowed from patch. fails: KN_EDOMAIN no volume, no
+// such face; KN_ENOMEM; out unchanged.
+KN_API KN_CHECKED kn_status kn_patch_face(kn_ctx *ctx, kn_patch *out, const kn_patch *patch, int face);
+
 typedef struct kn_patch_block {
     size_t first; // place of patches[0] in the job's order, counted from 0
     size_t count;
@@ -237,6 +250,12 @@ typedef struct kn_sink {
     kn_status (*end)(kn_ctx *ctx, void *user);
     void (*close)(kn_ctx *ctx, void *user);
     size_t (*bytes)(const void *user); // written so far; NULL: nothing to count
+    // For jobs that can be interrupted (kn_job_run_from); NULL: not with this sink. save, between two commits: *data =
+    // the state as *bytes bytes, for kn_free; what was written so far then stays when the sink is closed before its
+    // end. restore, in place of begin, on a new sink of the same kind and path: as it was when that was saved.
+    kn_status (*save)(kn_ctx *ctx, void *user, unsigned char **data, size_t *bytes);
+    kn_status (*restore)(kn_ctx *ctx, void *user, const kn_tile *tile, const kn_job_report *report,
+                         const unsigned char *data, size_t bytes);
 } kn_sink;
 KN_API void kn_sink_close(kn_ctx *ctx, kn_sink *sink); // idempotent
 
@@ -294,6 +313,23 @@ KN_API KN_CHECKED kn_status kn_job_source(kn_ctx *ctx, kn_bezier *out, kn_patch_
 // fails: what the sinks answer; KN_EDOMAIN a sink without commit; KN_ECANCELLED, KN_ENOMEM. All products are
 //        then discarded.
 KN_API KN_CHECKED kn_status kn_job_run(kn_ctx *ctx, const kn_job *job, kn_sink *sinks, int nsinks);
+
+// How a run is noted so that it can go on after an interruption (io.h: kn_run_with_journal does it with a file).
+typedef struct kn_job_notes {
+    void *user;
+    // Called between two commits: the run as bytes, from which kn_job_run_from goes on. NULL: never.
+    kn_status (*note)(kn_ctx *ctx, void *user, const unsigned char *state, size_t bytes);
+    double seconds;             // from one to the next; 0: 5; negative: after every block
+    const unsigned char *state; // where to go on: what note was given; NULL: from the beginning
+    size_t bytes;
+    uint64_t identity; // the caller's, of what the job cannot know: fields and other functions of its options
+} kn_job_notes;
+// The same as kn_job_run, noted. Gone on with, it gives the sinks what is left: their files become the same, byte for
+// byte, as without the interruption, for any number of threads.
+// fails: also KN_EDOMAIN a sink without save and restore, a state of another job (base, tile, options, identity) or
+//        of other sinks, or one that is damaged; what note answers.
+KN_API KN_CHECKED kn_status kn_job_run_from(kn_ctx *ctx, const kn_job *job, kn_sink *sinks, int nsinks,
+                                            const kn_job_notes *notes);
 
 // Cells in the job's order: first .. first + count - 1.
 typedef struct kn_cell_range {

@@ -25,6 +25,10 @@ KN_API void kn_mesh_clear(kn_ctx *ctx, kn_mesh *mesh);
 // out = a. out: initialised, overwritten, may be a. fails: KN_ENOMEM; out unchanged.
 KN_API KN_CHECKED kn_status kn_mesh_copy(kn_ctx *ctx, kn_mesh *out, const kn_mesh *a);
 
+// Appends another mesh, not itself, whose vertices have normals as those of the first have. fails: KN_EDOMAIN no
+// normals, KN_ELIMIT (more than 2^32 - 1 vertices), KN_ENOMEM; the mesh holds what it held.
+KN_API KN_CHECKED kn_status kn_mesh_append(kn_ctx *ctx, kn_mesh *mesh, const kn_mesh *a);
+
 // Appends a patch over [0,1]^2 on the uniform grid of segments[0] x segments[1]: vertices with r slowest, unit
 // normals along r x t, and two triangles for each rectangle, less those of which two corners coincide.
 // in:     patch of two variables in dimension 3, polynomial or rational; segments at least 1 each; reversed flips

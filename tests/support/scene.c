@@ -145,6 +145,31 @@ static kn_status begin(kn_ctx *ctx, void *user, const kn_tile *tile, const kn_jo
     return KN_OK;
 }
 
+static void *copy_of(const void *from, size_t bytes)
+{
+    void *copy = malloc(bytes + 1);
+    assert_non_null(copy);
+    memcpy(copy, from, bytes);
+    return copy;
+}
+
+static const kn_mesh *copy_mesh(const kn_mesh *from)
+{
+    kn_mesh *to = copy_of(from, sizeof *from);
+    to->position = copy_of(from->position, 3 * from->nvertices * sizeof *from->position);
+    to->normal = copy_of(from->normal, 3 * from->nvertices * sizeof *from->normal);
+    to->triangle = copy_of(from->triangle, 3 * from->ntriangles * sizeof *from->triangle);
+    return to;
+}
+
+static void free_mesh(const kn_mesh *mesh)
+{
+    free(mesh->position);
+    free(mesh->normal);
+    free(mesh->triangle);
+    free((void *)(uintptr_t)mesh);
+}
+
 static kn_status commit(kn_ctx *ctx, void *user, const kn_patch_block *block, void *product)
 {
     (void)ctx, (void)product;
@@ -163,6 +188,7 @@ static kn_status commit(kn_ctx *ctx, void *user, const kn_patch_block *block, vo
         assert_non_null(copy);
         memcpy(copy, to->bezier.coef, n * sizeof *copy);
         to->bezier.coef = copy;
+        if (to->mesh) to->mesh = copy_mesh(to->mesh);
     }
     return KN_OK;
 }
@@ -188,7 +214,10 @@ kn_sink scene_sink(scene_result *result)
 
 void scene_result_clear(scene_result *result)
 {
-    for (size_t i = 0; i < result->count; i++) free(result->patches[i].bezier.coef);
+    for (size_t i = 0; i < result->count; i++) {
+        free(result->patches[i].bezier.coef);
+        if (result->patches[i].mesh) free_mesh(result->patches[i].mesh);
+    }
     free(result->patches);
     *result = (scene_result){0};
 }

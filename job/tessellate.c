@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a patch looks like: triangles of surfaces, of the outside of volumes and of mapped meshes, points of curves.
+#include "kernel/context.h"
+
+#include <knurl/job.h>
+
+kn_status kn_patch_face(kn_ctx *ctx, kn_patch *out, const kn_patch *patch, int face)
+{
+    const kn_bezier *b = &patch->bezier;
+    if (b->nvars != 3 || !b->coef) return kn_fail(ctx, KN_EDOMAIN, "patch: no volume, and so no faces");
+    if (face < 0 || face > 5) return kn_fail(ctx, KN_EDOMAIN, "patch: face %d", face);
+    int var = face / 2, end = face % 2, p = var == 0 ? 1 : 0, q = var == 2 ? 1 : 2;
+    const int degree[2] = {b->degree[p], b->degree[q]};
+    kn_patch made = *patch;
+    made.bezier = (kn_bezier){0};
+    kn_status status = kn_bezier_init(ctx, &made.bezier, 2, b->ncomp, b->rational, degree);
+    if (status != KN_OK) return status;
+    size_t stride[3] = {(size_t)(b->degree[1] + 1) * (size_t)(b->degree[2] + 1), (size_t)b->degree[2] + 1, 1};
+    size_t first = end == 1 ? (size_t)b->degree[var] * stride[var] : 0, n = kn_bezier_count(b), at = 0;
+    for (size_t c = 0; c < (size_t)b->ncomp; c++)
+        for (size_t i = 0; i <= (size_t)degree[0]; i++)
+            for (size_t j = 0; j <= (size_t)degree[1]; j++)
+                made.bezier.coef[at++] = b->coef[c * n + first + i * stride[p] + j * stride[q]];
+    // P_p x P_q looks along +var for var 0 and 2 in a right-handed volume, and back for 1
+    made.reversed = patch->reversed != ((end == 0) != (var == 1));
+    made.hidden = 0;
+    made.trim = NULL;
+    made.segments[0] = patch->segments[p];
+    made.segments[1] = patch->segments[q];
+    *out = made;
+    return KN_OK;
+}
+
+static kn_status add_volume(kn_ctx *ctx, kn_mesh *mesh, const kn_patch *patch)
+{
+    kn_status status = KN_OK;
+    for (int face = 0; status == KN_OK && face < 6; face++) {
+        kn_patch side = {0};
+        if (patch->hidden >> face & 1) continue;
+        status = kn_patch_face(ctx, &side, patch, face);
+        if (status == KN_OK) status = kn_mesh_add_patch(ctx, mesh, &side.bezier, side.segments, side.reversed);
+        kn_bezier_clear(ctx, &side.bezier);
+    }
+    return status;
+}
+
+kn_status kn_patch_tessellate(kn_ctx *ctx, kn_mesh *mesh, const kn_patch *patch)
+{
+    if (patch->mesh) return kn_mesh_append(ctx, mesh, patch->mesh);
+    if (patch->bezier.nvars == 1) return KN_OK;
+    if (patch->bezier.nvars == 3) {
+        size_t nvertices = mesh->nvertices, ntriangles = mesh->ntriangles;
+        kn_status status = add_volume(ctx, mesh, patch);
+        if (status != KN_OK) mesh->nvertices = nvertices, mesh->ntriangles = ntriangles;
+        return status;
+    }
+    if (patch->trim)
+        return kn_mesh_add_trimmed(ctx, mesh, &patch->bezier, patch->trim, patch->segments, patch->reversed);
+    return kn_mesh_add_patch(ctx, mesh, &patch->bezier, patch->segments, patch->reversed);
+}
+
+size_t kn_patch_line_points(const kn_patch *patch)
+{
+    return patch->bezier.nvars == 1 && patch->segments[0] > 0 ? (size_t)patch->segments[0] + 1 : 0;
+}
+
+kn_status kn_patch_line(kn_ctx *ctx, double *points, const kn_patch *patch)
+{
+    size_t n = kn_patch_line_points(patch);
+    if (n == 0) return kn_fail(ctx, KN_EDOMAIN, "patch: no curve");
+    kn_mark mark = kn_scratch_mark(ctx);
+    double *at = kn_scratch(ctx, n, sizeof *at);
+    kn_status status = at ? KN_OK : KN_ENOMEM;
+    for (size_t i = 0; at && i < n; i++) at[i] = (double)i / (double)(n - 1);
+    if (status == KN_OK) status = kn_bezier_eval_batch(ctx, points, &patch->bezier, n, at);
+    kn_scratch_release(ctx, mark);
+    return status;
+}
