@@ -4,6 +4,8 @@
 
 #include "kernel/context.h"
 
+#include <string.h>
+
 static kn_status null_commit(kn_ctx *ctx, void *user, const kn_patch_block *block, void *product)
 {
     (void)ctx;
@@ -27,10 +29,34 @@ static size_t null_bytes(const void *user)
     return *bytes;
 }
 
+static kn_status null_save(kn_ctx *ctx, void *user, unsigned char **data, size_t *bytes)
+{
+    unsigned char *copy = kn_alloc(ctx, sizeof(size_t), 1);
+    if (copy == NULL) return KN_ENOMEM;
+    memcpy(copy, user, sizeof(size_t));
+    *data = copy;
+    *bytes = sizeof(size_t);
+    return KN_OK;
+}
+
+static kn_status null_restore(kn_ctx *ctx, void *user, const kn_tile *tile, const kn_job_report *report,
+                              const unsigned char *data, size_t bytes)
+{
+    (void)tile, (void)report;
+    if (bytes != sizeof(size_t)) return kn_fail(ctx, KN_EDOMAIN, "the interrupted run had another sink");
+    memcpy(user, data, bytes);
+    return KN_OK;
+}
+
 kn_status kn_null_sink(kn_ctx *ctx, kn_sink *out)
 {
     size_t *bytes = kn_alloc_zero(ctx, 1, sizeof *bytes);
     if (bytes == NULL) return KN_ENOMEM;
-    *out = (kn_sink){.user = bytes, .commit = null_commit, .close = null_close, .bytes = null_bytes};
+    *out = (kn_sink){.user = bytes,
+                     .commit = null_commit,
+                     .close = null_close,
+                     .bytes = null_bytes,
+                     .save = null_save,
+                     .restore = null_restore};
     return KN_OK;
 }

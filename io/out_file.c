@@ -8,6 +8,7 @@
 #include <stdio.h>
 #include <string.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 enum { SUFFIX_BYTES = 24, TEMPORARIES = 10000 };
 
@@ -16,6 +17,7 @@ struct kn_out_file {
     char *path;      // the name that was asked for
     char *temporary; // the name that is there until commit; "" when writing to path directly
     size_t bytes;
+    bool kept; // kn_out_save: a later run goes on with it
 };
 
 // A name that nobody uses: "x" makes fopen create the file or fail, so two writers never share one.
@@ -104,11 +106,60 @@ kn_status kn_out_commit(kn_ctx *ctx, kn_out_file *file)
     return KN_OK;
 }
 
+kn_status kn_out_save(kn_ctx *ctx, kn_out_file *file, kn_state *state)
+{
+    if (file->temporary[0] == '\0')
+        return kn_fail(ctx, KN_EDOMAIN, "%s: what is written directly cannot be gone on with", file->path);
+    errno = 0;
+    if (fflush(file->stream) != 0 || fsync(fileno(file->stream)) != 0)
+        return kn_fail_io(ctx, file->path, "cannot write", errno);
+    file->kept = true;
+    kn_state_put(state, &file->bytes, sizeof file->bytes);
+    kn_state_put_block(state, file->temporary, strlen(file->temporary) + 1);
+    return state->failed ? KN_ENOMEM : KN_OK;
+}
+
+// The temporary name of this path with another number: nothing else may be cut.
+static bool is_ours(const kn_out_file *file, const char *name, size_t bytes)
+{
+    size_t length = strlen(file->path);
+    return bytes > length + 5 && bytes <= length + SUFFIX_BYTES && name[bytes - 1] == '\0' &&
+           strlen(name) + 1 == bytes && memcmp(name, file->path, length) == 0 &&
+           memcmp(name + length, ".tmp-", 5) == 0 && strspn(name + length + 5, "0123456789") == bytes - length - 6;
+}
+
+kn_status kn_out_restore(kn_ctx *ctx, kn_out_file *file, kn_state_reader *state)
+{
+    size_t size, bytes = 0;
+    struct stat there;
+    const char *name = kn_state_take(state, &size, sizeof size) ? kn_state_take_block(state, &bytes) : NULL;
+    if (name == NULL || file->temporary[0] == '\0' || !is_ours(file, name, bytes))
+        return kn_fail(ctx, KN_EDOMAIN, "%s: the interrupted run wrote another file", file->path);
+    errno = 0;
+    FILE *stream = fopen(name, "r+b");
+    if (stream == NULL) return kn_fail_io(ctx, name, "cannot go on with", errno);
+    bool enough = fstat(fileno(stream), &there) == 0 && (uint64_t)there.st_size >= size;
+    bool ready = enough && ftruncate(fileno(stream), (off_t)size) == 0 && fseek(stream, 0, SEEK_END) == 0;
+    if (!ready) {
+        int error = errno;
+        (void)fclose(stream);
+        if (enough) return kn_fail_io(ctx, name, "cannot go on with", error);
+        return kn_fail(ctx, KN_EDOMAIN, "%s: shorter than the interrupted run left it", name);
+    }
+    (void)fclose(file->stream);
+    remove(file->temporary);
+    file->stream = stream;
+    memcpy(file->temporary, name, bytes);
+    file->bytes = size;
+    file->kept = true;
+    return KN_OK;
+}
+
 void kn_out_close(kn_ctx *ctx, kn_out_file *file)
 {
     if (file == NULL) return;
     if (file->stream != NULL) fclose(file->stream); // abandoned: its errors no longer matter
-    if (file->temporary != NULL && file->temporary[0] != '\0') remove(file->temporary);
+    if (!file->kept && file->temporary != NULL && file->temporary[0] != '\0') remove(file->temporary);
     kn_free(ctx, file->path);
     kn_free(ctx, file->temporary);
     kn_free(ctx, file);

@@ -5,6 +5,8 @@
 
 #include <knurl/base.h>
 
+#include "io/state.h"
+
 // Bytes go to a new file beside path ("path.tmp-0" or the first number that is free); commit gives it the name, abort
 // removes it. So a reader never sees half a file, and what was there before survives every failure. A path that is
 // there already and is neither file nor folder (a pipe, /dev/null) is written to directly: renaming would replace it.
@@ -21,7 +23,13 @@ size_t kn_out_bytes(const kn_out_file *file);
 // Everything to the disk's care, every error looked at, then the rename. Afterwards only kn_out_bytes and
 // kn_out_close may be called. fails: KN_EIO; the file is removed by kn_out_close.
 KN_CHECKED kn_status kn_out_commit(kn_ctx *ctx, kn_out_file *file);
-// Frees the handle, and removes the file unless it was committed. NULL is fine.
+// What is written so far goes to the disk, and stays there when the file is closed without a commit; state receives
+// what kn_out_restore needs. fails: KN_EIO, KN_EDOMAIN a path that is written to directly.
+KN_CHECKED kn_status kn_out_save(kn_ctx *ctx, kn_out_file *file, kn_state *state);
+// Goes on with the bytes that were there at kn_out_save: what was written after it is cut off, and what this handle has
+// written is forgotten. fails: KN_EIO, KN_EDOMAIN a state of another path, a file that is shorter; file unchanged.
+KN_CHECKED kn_status kn_out_restore(kn_ctx *ctx, kn_out_file *file, kn_state_reader *state);
+// Frees the handle, and removes the file unless it was committed or saved. NULL is fine.
 void kn_out_close(kn_ctx *ctx, kn_out_file *file);
 
 #endif

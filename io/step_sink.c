@@ -11,12 +11,18 @@
 
 enum { FLUSH_BYTES = 1 << 20 };
 
-// Which patches a part has. Patches of a part mostly follow each other, so that runs stay few.
+// Faces of a part: first + k stride + i period, k < count, i < times. Patches of a part mostly follow one another in a
+// cell, and one cell's are like the next one's, so that there are few of these.
+typedef struct run {
+    uint64_t first, count, period, times;
+} run;
+
 typedef struct part {
     char name[KN_NAME_BYTES];
     kn_material material;
-    kn_step_run *runs;
+    run *runs;
     size_t nruns, room;
+    uint64_t first, count; // of the run that grows; count 0: none
 } part;
 
 typedef struct step {
@@ -123,22 +129,37 @@ static kn_status step_work(kn_ctx *worker, void *user, const kn_patch_block *blo
     return KN_OK;
 }
 
-static kn_status add_to_run(kn_ctx *ctx, part *p, uint64_t face, uint64_t stride)
+// The run that grew is whole: it repeats the one before it, or is a new one.
+static kn_status end_run(kn_ctx *ctx, part *p)
 {
-    kn_step_run *last = p->nruns > 0 ? &p->runs[p->nruns - 1] : NULL;
-    if (last != NULL && last->first + last->count * stride == face) {
-        last->count++;
+    run *last = p->nruns > 0 ? &p->runs[p->nruns - 1] : NULL;
+    uint64_t first = p->first, count = p->count;
+    p->count = 0;
+    if (count == 0) return KN_OK;
+    if (last != NULL && last->count == count && last->times == 1) last->period = first - last->first;
+    if (last != NULL && last->count == count && last->first + last->times * last->period == first) {
+        last->times++;
         return KN_OK;
     }
     if (p->nruns == p->room) {
         size_t room = p->room > 0 ? 2 * p->room : 8;
-        kn_step_run *larger = p->runs == NULL ? kn_alloc(ctx, room, sizeof *larger)
-                                              : kn_resize(ctx, p->runs, room, sizeof *larger);
+        run *larger = kn_resize(ctx, p->runs, room, sizeof *larger);
         if (larger == NULL) return KN_ENOMEM;
         p->runs = larger, p->room = room;
     }
-    p->runs[p->nruns++] = (kn_step_run){face, 1};
+    p->runs[p->nruns++] = (run){first, count, 0, 1};
     return KN_OK;
+}
+
+static kn_status add_face(kn_ctx *ctx, part *p, uint64_t face, uint64_t stride)
+{
+    if (p->count > 0 && p->first + p->count * stride == face) {
+        p->count++;
+        return KN_OK;
+    }
+    kn_status status = end_run(ctx, p);
+    p->first = face, p->count = 1;
+    return status;
 }
 
 static void step_discard(kn_ctx *ctx, void *user, void *product)
@@ -159,7 +180,7 @@ static kn_status step_commit(kn_ctx *ctx, void *user, const kn_patch_block *bloc
     for (size_t i = 0; i < block->count && status == KN_OK; i++) {
         const kn_patch *patch = &block->patches[i];
         uint64_t face = kn_step_face(&patch->bezier, s->first + ((uint64_t)block->first + i) * s->stride);
-        status = add_to_run(ctx, &s->parts[patch->id.part], face, s->stride);
+        status = add_face(ctx, &s->parts[patch->id.part], face, s->stride);
     }
     step_discard(ctx, user, product);
     return status;
@@ -176,9 +197,10 @@ static kn_status put_shell(kn_ctx *ctx, step *s, kn_text *text, const part *p, u
     kn_text_step_string(text, p->name);
     kn_text_put(text, ",(");
     for (size_t r = 0; r < p->nruns; r++)
-        for (uint64_t k = 0; k < p->runs[r].count && status == KN_OK; k++) {
+        for (uint64_t k = 0; k < p->runs[r].count * p->runs[r].times && status == KN_OK; k++) {
+            const run *of = &p->runs[r];
             if (r > 0 || k > 0) kn_text_comma(text);
-            kn_text_reference(text, p->runs[r].first + k * s->stride);
+            kn_text_reference(text, of->first + k % of->count * s->stride + k / of->count * of->period);
             if (text->bytes > FLUSH_BYTES) status = flush(ctx, s, text);
         }
     kn_text_put(text, "));\n");
@@ -221,7 +243,8 @@ static kn_status step_end(kn_ctx *ctx, void *user)
     bool any = false;
     for (int i = 0; i < s->nparts && status == KN_OK; i++) {
         uint64_t first = KN_STEP_PARTS + KN_STEP_PART_NUMBERS * (uint64_t)i;
-        if (s->parts[i].nruns == 0) continue;
+        status = end_run(ctx, &s->parts[i]);
+        if (status != KN_OK || s->parts[i].nruns == 0) continue;
         status = put_shell(ctx, s, &text, &s->parts[i], first);
         kn_step_put_style(&text, &s->parts[i].material, first);
         any = true;
@@ -254,6 +277,46 @@ static size_t step_bytes(const void *user)
     return kn_out_bytes(s->file);
 }
 
+static kn_status step_save(kn_ctx *ctx, void *user, unsigned char **data, size_t *bytes)
+{
+    step *s = user;
+    kn_state state = {.ctx = ctx};
+    kn_status status = kn_out_save(ctx, s->file, &state);
+    for (int i = 0; i < s->nparts; i++) {
+        const part *p = &s->parts[i];
+        kn_state_put(&state, &p->first, sizeof p->first);
+        kn_state_put(&state, &p->count, sizeof p->count);
+        kn_state_put_block(&state, p->runs, p->nruns * sizeof *p->runs);
+    }
+    return kn_state_give(&state, data, bytes, status);
+}
+
+static kn_status restore_part(kn_ctx *ctx, part *p, kn_state_reader *r)
+{
+    size_t bytes = 0;
+    bool there = kn_state_take(r, &p->first, sizeof p->first) && kn_state_take(r, &p->count, sizeof p->count);
+    const void *runs = there ? kn_state_take_block(r, &bytes) : NULL;
+    if (runs == NULL || bytes % sizeof *p->runs != 0) return kn_state_fail(ctx, "STEP");
+    if (bytes == 0) return KN_OK;
+    p->runs = kn_alloc(ctx, bytes, 1);
+    if (p->runs == NULL) return KN_ENOMEM;
+    memcpy(p->runs, runs, bytes);
+    p->nruns = p->room = bytes / sizeof *p->runs;
+    return KN_OK;
+}
+
+static kn_status step_restore(kn_ctx *ctx, void *user, const kn_tile *tile, const kn_job_report *report,
+                              const unsigned char *data, size_t bytes)
+{
+    step *s = user;
+    kn_state_reader r = {data, bytes};
+    kn_status status = copy_parts(ctx, s, tile);
+    if (status == KN_OK) status = number_patches(ctx, s, report);
+    if (status == KN_OK) status = kn_out_restore(ctx, s->file, &r);
+    for (int i = 0; i < s->nparts && status == KN_OK; i++) status = restore_part(ctx, &s->parts[i], &r);
+    return status == KN_OK && r.bytes > 0 ? kn_state_fail(ctx, "STEP") : status;
+}
+
 kn_status kn_step_sink(kn_ctx *ctx, kn_sink *out, const char *path, const kn_step_options *options)
 {
     kn_step_options o = options != NULL ? *options : (kn_step_options){0};
@@ -271,6 +334,7 @@ kn_status kn_step_sink(kn_ctx *ctx, kn_sink *out, const char *path, const kn_ste
         step_close(ctx, s);
         return status;
     }
-    *out = (kn_sink){s, step_begin, step_work, step_commit, step_discard, step_end, step_close, step_bytes};
+    *out = (kn_sink){s,        step_begin, step_work,  step_commit, step_discard,
+                     step_end, step_close, step_bytes, step_save,   step_restore};
     return KN_OK;
 }

@@ -23,11 +23,6 @@ enum {
     KN_STEP_FACE_NUMBERS = 20  // of each patch, beyond one for each control point; the last is the face
 };
 
-// Consecutive patches of one part.
-typedef struct kn_step_run {
-    uint64_t first, count;
-} kn_step_run;
-
 // The header section and everything that does not depend on the patches.
 void kn_step_put_header(kn_text *text, const char *product, const char *time_stamp, double uncertainty_mm);
 // What patch needs for a face of its own, numbered from `first`: points in millimetres, surface, boundary, face.

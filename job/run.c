@@ -3,6 +3,8 @@
 #include "job/run.h"
 #include "kernel/parallel.h"
 
+#include <time.h>
+
 enum { STRIDE = 64 }; // blocks from one noted place to the next
 
 // A place in the sequence of blocks of all ranges.
@@ -20,6 +22,10 @@ typedef struct runner {
     size_t nranges;
     place *noted; // where block STRIDE i begins
     size_t nblocks;
+    const kn_job_notes *notes; // NULL: none
+    size_t done;               // blocks before this run
+    uint64_t identity;
+    double noted_at; // seconds
 } runner;
 
 typedef struct product {
@@ -81,6 +87,51 @@ static void find_block(kn_job_block *block, const runner *r, size_t index)
     for (size_t i = 0; i <= index % STRIDE; i++) (void)next(block, &at, r);
 }
 
+// ---- notes ----
+
+static double now(void)
+{
+    struct timespec t;
+    (void)timespec_get(&t, TIME_UTC);
+    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+static kn_status note_when_due(kn_ctx *ctx, runner *r, size_t done)
+{
+    double seconds = r->notes->seconds == 0.0 ? 5.0 : r->notes->seconds, time = now();
+    if (time >= r->noted_at && time < r->noted_at + seconds) return KN_OK;
+    const kn_job_state state = {.identity = r->identity, .done = done, .nblocks = r->nblocks};
+    unsigned char *data = NULL;
+    size_t bytes = 0;
+    kn_status status = kn_job_save_state(ctx, &data, &bytes, &state, r->sinks, r->nsinks);
+    if (status == KN_OK) status = r->notes->note(ctx, r->notes->user, data, bytes);
+    kn_free(ctx, data);
+    r->noted_at = now();
+    return status;
+}
+
+// The sinks begin, or are as they were.
+static kn_status begin_sinks(kn_ctx *ctx, runner *r)
+{
+    kn_status status = KN_OK;
+    if (r->notes) {
+        for (int k = 0; k < r->nsinks; k++)
+            if (!r->sinks[k].save || !r->sinks[k].restore)
+                return kn_fail(ctx, KN_EDOMAIN, "job: sink %d cannot be interrupted and gone on with", k);
+        r->identity = kn_job_identity(r->job, r->notes->identity);
+        r->noted_at = now();
+    }
+    if (r->notes && r->notes->state) {
+        kn_job_state state = {r->identity, 0, r->nblocks, r->notes->state, r->notes->bytes};
+        status = kn_job_restore_state(ctx, &state, r->job, r->sinks, r->nsinks);
+        r->done = state.done;
+        return status;
+    }
+    for (int k = 0; status == KN_OK && k < r->nsinks; k++)
+        if (r->sinks[k].begin) status = r->sinks[k].begin(ctx, r->sinks[k].user, &r->job->tile, &r->job->report);
+    return status;
+}
+
 // ---- the pipeline ----
 
 static void product_free(kn_ctx *ctx, const runner *r, product *p, int first_sink)
@@ -96,7 +147,7 @@ static kn_status work(kn_ctx *worker, void *user, size_t index, void **out)
 {
     const runner *r = user;
     kn_job_block block;
-    find_block(&block, r, index);
+    find_block(&block, r, r->done + index);
     product *p = kn_alloc_zero(worker, 1, sizeof *p);
     if (!p) return KN_ENOMEM;
     p->of_sink = kn_alloc_zero(worker, (size_t)r->nsinks, sizeof *p->of_sink);
@@ -114,26 +165,20 @@ static kn_status work(kn_ctx *worker, void *user, size_t index, void **out)
 
 static kn_status commit(kn_ctx *ctx, void *user, size_t index, void *made)
 {
-    (void)index;
-    const runner *r = user;
+    runner *r = user;
     product *p = made;
     kn_status status = KN_OK;
     int k = 0;
     for (; status == KN_OK && k < r->nsinks; k++)
         status = r->sinks[k].commit(ctx, r->sinks[k].user, &p->made.block, p->of_sink[k]);
     product_free(ctx, r, p, k);
+    if (status == KN_OK && r->notes && r->notes->note) status = note_when_due(ctx, r, r->done + index + 1);
     return status;
 }
 
 static void drop(kn_ctx *ctx, void *user, void *made)
 {
     product_free(ctx, user, made, 0);
-}
-
-kn_status kn_job_run(kn_ctx *ctx, const kn_job *job, kn_sink *sinks, int nsinks)
-{
-    const kn_cell_range all = {0, job->ncells};
-    return kn_job_run_cells(ctx, job, &all, 1, sinks, nsinks);
 }
 
 static kn_status check_ranges(kn_ctx *ctx, const kn_job *job, const kn_cell_range *ranges, size_t n)
@@ -146,23 +191,40 @@ static kn_status check_ranges(kn_ctx *ctx, const kn_job *job, const kn_cell_rang
     return KN_OK;
 }
 
+static kn_status run(kn_ctx *ctx, runner *r)
+{
+    const kn_job *job = r->job;
+    const kn_pipeline pipeline = {r, work, commit, drop};
+    for (int k = 0; k < r->nsinks; k++)
+        if (!r->sinks[k].commit) return kn_fail(ctx, KN_EDOMAIN, "job: sink %d is closed, or has no commit", k);
+    kn_status status = check_ranges(ctx, job, r->ranges, r->nranges);
+    if (status == KN_OK) status = note_blocks(ctx, r);
+    if (status == KN_OK) status = kn_job_make_matrices(ctx, &r->matrices, job);
+    if (status == KN_OK) status = begin_sinks(ctx, r);
+    size_t ahead = 2 * (size_t)kn_ctx_threads(ctx) + 1;
+    if (status == KN_OK) status = kn_pipeline_run(ctx, &pipeline, r->nblocks - r->done, ahead, "compose");
+    for (int k = 0; status == KN_OK && k < r->nsinks; k++)
+        if (r->sinks[k].end) status = r->sinks[k].end(ctx, r->sinks[k].user);
+    kn_job_free_matrices(ctx, job, r->matrices);
+    kn_free(ctx, r->noted);
+    return status;
+}
+
+kn_status kn_job_run_from(kn_ctx *ctx, const kn_job *job, kn_sink *sinks, int nsinks, const kn_job_notes *notes)
+{
+    const kn_cell_range all = {0, job->ncells};
+    runner r = {.job = job, .sinks = sinks, .nsinks = nsinks, .ranges = &all, .nranges = 1, .notes = notes};
+    return run(ctx, &r);
+}
+
+kn_status kn_job_run(kn_ctx *ctx, const kn_job *job, kn_sink *sinks, int nsinks)
+{
+    return kn_job_run_from(ctx, job, sinks, nsinks, NULL);
+}
+
 kn_status kn_job_run_cells(kn_ctx *ctx, const kn_job *job, const kn_cell_range *ranges, size_t n, kn_sink *sinks,
                            int nsinks)
 {
     runner r = {.job = job, .sinks = sinks, .nsinks = nsinks, .ranges = ranges, .nranges = n};
-    const kn_pipeline pipeline = {&r, work, commit, drop};
-    for (int k = 0; k < nsinks; k++)
-        if (!sinks[k].commit) return kn_fail(ctx, KN_EDOMAIN, "job: sink %d is closed, or has no commit", k);
-    kn_status status = check_ranges(ctx, job, ranges, n);
-    if (status == KN_OK) status = note_blocks(ctx, &r);
-    if (status == KN_OK) status = kn_job_make_matrices(ctx, &r.matrices, job);
-    for (int k = 0; status == KN_OK && k < nsinks; k++)
-        if (sinks[k].begin) status = sinks[k].begin(ctx, sinks[k].user, &job->tile, &job->report);
-    size_t ahead = 2 * (size_t)kn_ctx_threads(ctx) + 1;
-    if (status == KN_OK) status = kn_pipeline_run(ctx, &pipeline, r.nblocks, ahead, "compose");
-    for (int k = 0; status == KN_OK && k < nsinks; k++)
-        if (sinks[k].end) status = sinks[k].end(ctx, sinks[k].user);
-    kn_job_free_matrices(ctx, job, r.matrices);
-    kn_free(ctx, r.noted);
-    return status;
+    return run(ctx, &r);
 }

@@ -32,4 +32,20 @@ kn_status kn_job_compose_block(kn_ctx *ctx, kn_job_product *out, const kn_job *j
                                const kn_job_block *block);
 void kn_job_product_clear(kn_ctx *ctx, kn_job_product *product);
 
+// ---- state.c ----
+// A run between two commits.
+typedef struct kn_job_state {
+    uint64_t identity;
+    size_t done, nblocks;
+    const unsigned char *data;
+    size_t bytes;
+} kn_job_state;
+// A number for all that decides what a job composes, and for the caller's own.
+uint64_t kn_job_identity(const kn_job *job, uint64_t own);
+// *data, for kn_free: the state and that of the sinks.
+kn_status kn_job_save_state(kn_ctx *ctx, unsigned char **data, size_t *bytes, const kn_job_state *state,
+                            kn_sink *sinks, int nsinks);
+// done, and the sinks, from data; identity and nblocks must agree.
+kn_status kn_job_restore_state(kn_ctx *ctx, kn_job_state *state, const kn_job *job, kn_sink *sinks, int nsinks);
+
 #endif

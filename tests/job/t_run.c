@@ -198,7 +198,12 @@ static void failing_sinks(void **state)
             failing f[3] = {{.where = NOWHERE}, {.where = NOWHERE}, {.where = NOWHERE}};
             kn_sink sinks[3];
             for (int k = 0; k < 3; k++)
-                sinks[k] = (kn_sink){&f[k], fail_begin, fail_work, fail_commit, fail_discard, fail_end, NULL, NULL};
+                sinks[k] = (kn_sink){.user = &f[k],
+                                     .begin = fail_begin,
+                                     .work = fail_work,
+                                     .commit = fail_commit,
+                                     .discard = fail_discard,
+                                     .end = fail_end};
             f[which].where = where;
             f[which].after = 2000;
             assert_int_equal(kn_job_run(ctx, job, sinks, 3), where == NOWHERE ? KN_OK : KN_EIO);

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: Apache-2.0
+// A run noted in a file, so that it can be gone on with after an interruption.
+#include <knurl/io.h>
+
+#include "io/in_file.h"
+#include "io/io_error.h"
+#include "io/out_file.h"
+#include "kernel/context.h"
+
+#include <errno.h>
+#include <stdio.h>
+#include <sys/stat.h>
+
+typedef struct journal_file {
+    const char *path;
+} journal_file;
+
+static kn_status note(kn_ctx *ctx, void *user, const unsigned char *state, size_t bytes)
+{
+    const journal_file *journal = user;
+    kn_out_file *file = NULL;
+    kn_status status = kn_out_open(ctx, &file, journal->path);
+    if (status != KN_OK) return status;
+    status = kn_out_write(ctx, file, state, bytes);
+    if (status == KN_OK) status = kn_out_commit(ctx, file);
+    kn_out_close(ctx, file);
+    return status;
+}
+
+kn_status kn_run_with_journal(kn_ctx *ctx, const kn_job *job, kn_sink *sinks, int nsinks, const char *journal,
+                              bool resume, double seconds, uint64_t identity)
+{
+    journal_file to = {journal};
+    kn_job_notes notes = {.user = &to, .note = note, .seconds = seconds, .identity = identity};
+    struct stat there;
+    char *text = NULL;
+    size_t bytes = 0;
+    kn_status status = KN_OK;
+    if (resume && stat(journal, &there) == 0) {
+        status = kn_in_read(ctx, &text, &bytes, journal);
+        notes.state = (const unsigned char *)text;
+        notes.bytes = bytes;
+    }
+    if (status == KN_OK) status = kn_job_run_from(ctx, job, sinks, nsinks, &notes);
+    kn_free(ctx, text);
+    errno = 0;
+    if (status == KN_OK && remove(journal) != 0 && errno != ENOENT)
+        status = kn_fail_io(ctx, journal, "cannot remove", errno);
+    return status;
+}
