@@ -17,6 +17,7 @@ static const char overview[] =
     "\n"
     "commands:\n"
     "  apply    compose a tile over every cell of a base and write the result\n"
+    "  slice    contours of the textured base, layer by layer\n"
     "  check    say how high a texture may be before the base folds or meets itself\n"
     "  tiles    list the built-in tiles\n"
     "  info     say what is in a file\n"

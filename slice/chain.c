@@ -184,7 +184,7 @@ kn_status kn_slice_chain(kn_ctx *ctx, const kn_slice_lines *from, const kn_slice
     if (status == KN_OK) {
         if (n > 0) qsort(keys, n, sizeof *keys, by_place);
         link_equal(&c, keys);
-        status = link_near(ctx, &c, keys, o->join > 0.0 ? o->join : 10.0 * o->tol);
+        status = link_near(ctx, &c, keys, o->join > 0.0 ? o->join : o->tol);
     }
     if (status == KN_OK) status = collect(ctx, &layer, &c);
     layer.gap = c.gap;

@@ -158,18 +158,51 @@ static bool known_point(double out[2], const edge *edges, const double at[2])
 
 // ---- contours ----
 
-static kn_status add_curve(kn_ctx *ctx, kn_slice_lines *out, size_t plane, const kn_patch_id *id, const kn_bezier *p,
-                           const kn_solve_curve *curve, const edge *edges, bool reversed)
+static double off_line(const double *p, const double *a, const double *b)
 {
-    kn_status status = kn_slice_begin_line(ctx, out, plane, id);
-    for (size_t k = 0; status == KN_OK && k < curve->npoints; k++) {
-        size_t i = reversed ? curve->npoints - 1 - k : k;
+    double dx = b[0] - a[0], dy = b[1] - a[1], l = dx * dx + dy * dy;
+    double s = l > 0.0 ? fmin(fmax(((p[0] - a[0]) * dx + (p[1] - a[1]) * dy) / l, 0.0), 1.0) : 0.0;
+    return hypot(p[0] - a[0] - s * dx, p[1] - a[1] - s * dy);
+}
+
+// Adds those of points[from + 1 .. to] without which the line would leave them by more than tol (Ramer, Douglas and
+// Peucker); the last one always.
+static kn_status add_thinned(kn_ctx *ctx, kn_slice_lines *out, const double *points, size_t from, size_t to,
+                             double tol)
+{
+    size_t worst = from;
+    double most = tol;
+    for (size_t i = from + 1; i < to; i++) {
+        double off = off_line(points + 2 * i, points + 2 * from, points + 2 * to);
+        if (off > most) worst = i, most = off;
+    }
+    if (worst == from) return kn_slice_add_point(ctx, out, points[2 * to], points[2 * to + 1]);
+    kn_status status = add_thinned(ctx, out, points, from, worst, tol);
+    return status == KN_OK ? add_thinned(ctx, out, points, worst, to, tol) : status;
+}
+
+// Of a closed curve two points stay.
+static kn_status add_curve(kn_ctx *ctx, kn_slice_lines *out, const kn_slice_options *o, size_t plane,
+                           const kn_patch_id *id, const kn_bezier *p, const kn_solve_curve *curve, const edge *edges,
+                           bool reversed)
+{
+    size_t n = curve->npoints;
+    kn_mark mark = kn_scratch_mark(ctx);
+    double *points = kn_scratch(ctx, 2 * n, sizeof *points);
+    kn_status status = points ? kn_slice_begin_line(ctx, out, plane, id) : KN_ENOMEM;
+    for (size_t k = 0; status == KN_OK && k < n; k++) {
+        size_t i = reversed ? n - 1 - k : k;
         const double *at = curve->points + 2 * i;
-        bool end = !curve->closed && (i == 0 || i + 1 == curve->npoints);
+        bool end = !curve->closed && (i == 0 || i + 1 == n);
         double point[3];
         if (!end || !known_point(point, edges, at)) status = kn_bezier_eval(ctx, point, p, at);
-        if (status == KN_OK) status = kn_slice_add_point(ctx, out, point[0], point[1]);
+        points[2 * k] = point[0], points[2 * k + 1] = point[1];
     }
+    double tol = o->tol / 2.0;
+    if (status == KN_OK) status = kn_slice_add_point(ctx, out, points[0], points[1]);
+    if (status == KN_OK) status = add_thinned(ctx, out, points, 0, curve->closed ? n / 2 : n - 1, tol);
+    if (status == KN_OK && curve->closed) status = add_thinned(ctx, out, points, n / 2, n - 1, tol);
+    kn_scratch_release(ctx, mark);
     return status;
 }
 
@@ -189,11 +222,11 @@ static kn_status cut(kn_ctx *ctx, kn_slice_lines *out, const kn_slice_options *o
     for (int k = 0; k < 4; k++) sides[k] = edges[k].changes;
     kn_solve_curve *curves = NULL;
     kn_solve_report report;
-    double near = fmin(0.5, o->tol / (2.0 * b->first)), longest = sqrt(4.0 * o->tol / b->second);
+    double near = fmin(0.5, o->tol / (4.0 * b->first)), longest = sqrt(2.0 * o->tol / b->second);
     if (status == KN_OK) status = kn_solve_trace(ctx, &curves, &ncurves, &report, &f, near, longest, sides);
     if (status == KN_OK) out->doubtful += report.possible + report.limited;
     for (size_t i = 0; status == KN_OK && i < ncurves; i++)
-        status = add_curve(ctx, out, plane, id, p, &curves[i], edges, reversed);
+        status = add_curve(ctx, out, o, plane, id, p, &curves[i], edges, reversed);
     kn_free(ctx, curves);
     kn_scratch_release(ctx, mark);
     return status;
