@@ -13,5 +13,6 @@ kn_status kn_job_cross(kn_ctx *ctx, bool *crossed, kn_job_cell_plan *plan, const
     if (!few) return KN_OK;
     if (d->nvars == 1) return kn_cross_curve(ctx, crossed, &x);
     if (d->nvars != 2 || way == KN_CROSSING_REFUSE) return KN_OK;
-    return way == KN_CROSSING_TRIM ? kn_cross_trim(ctx, crossed, &x) : kn_cross_fit(ctx, crossed, &x);
+    bool one_box = x.n[0] == 0 && x.n[1] == 0; // exact, and nothing to trim
+    return one_box || way == KN_CROSSING_TRIM ? kn_cross_trim(ctx, crossed, &x) : kn_cross_fit(ctx, crossed, &x);
 }

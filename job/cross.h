@@ -29,6 +29,7 @@ void kn_crossing_init(bool *yes, kn_crossing *x, kn_job_cell_plan *plan, const k
 // The piece of the shell over the part of the box (i, j) that d's box meets, and more. *fits: there is one, and d
 // reaches not so far beyond it that rounding would matter.
 kn_status kn_crossing_piece(kn_ctx *ctx, bool *fits, kn_crossing *x, int i, int j);
+kn_status kn_crossing_pieces(kn_ctx *ctx, bool *fit, kn_crossing *x); // of all boxes
 // The piece of box (i, j) as a function of (u, v) of the place's cell: from there to the box of the piece.
 void kn_crossing_map(double origin[2], double width[2], const kn_crossing *x, int i, int j);
 
@@ -36,6 +37,9 @@ void kn_crossing_map(double origin[2], double width[2], const kn_crossing *x, in
 // the line in variable var (a power of two), and of w within x->top; rounding of the composition on both sides
 // included. (i, j): the lower box.
 kn_status kn_crossing_gap(kn_ctx *ctx, double *gap, const kn_crossing *x, int var, int i, int j, double delta);
+
+// What rounding does to T(D), composed with the piece of box (i, j), and to its homogeneous coordinates.
+double kn_crossing_rounding(const kn_crossing *x, int i, int j);
 
 // ---- cross_curve.c ----
 // A curve of the tile: cut where it crosses.

@@ -19,12 +19,21 @@ static void range(double *lo, double *hi, const kn_bezier *d, int c)
     }
 }
 
-bool kn_job_is_knot(const kn_job_surface *s, const int cell[2], int var, double line)
+// Whether the cells on both sides of line `at` are of one width: a tile that reaches over it is not bent there.
+static bool is_even(const kn_job_surface *s, int var, int at)
+{
+    const double *line = s->lines[var];
+    int before = at > 0 ? at - 1 : s->cells[var] - 1, after = at < s->cells[var] ? at : 0;
+    double a = line[before + 1] - line[before], b = line[after + 1] - line[after];
+    return fabs(a - b) <= 1e-12 * fmax(fabs(line[0]), fabs(line[s->cells[var]])) + 1e-12 * fmax(a, b);
+}
+
+bool kn_job_is_knot(const kn_job *job, const kn_job_surface *s, const int cell[2], int var, double line)
 {
     int at = cell[var] + (int)line, n = s->cells[var];
     if (s->closed[var]) at = (at % n + n) % n;
     if (at < 0 || at > n || (!s->closed[var] && (at == 0 || at == n))) return false;
-    return s->knot[var][at];
+    return s->knot[var][at] || (job->options.crossing != KN_CROSSING_REFUSE && !is_even(s, var, at));
 }
 
 void kn_crossing_init(bool *yes, kn_crossing *x, kn_job_cell_plan *plan, const kn_job_leaf *leaf,
@@ -37,7 +46,7 @@ void kn_crossing_init(bool *yes, kn_crossing *x, kn_job_cell_plan *plan, const k
     for (int c = 0; c < 2; c++) {
         range(&x->lo[c], &x->hi[c], d, c);
         for (double line = floor(x->lo[c]) + 1.0; line < x->hi[c]; line += 1.0) {
-            if (!kn_job_is_knot(s, place->cell, c, line)) continue;
+            if (!kn_job_is_knot(plan->job, s, place->cell, c, line)) continue;
             if (x->n[c] == KN_CROSS_LINES)
                 *yes = false;
             else
@@ -120,4 +129,13 @@ kn_status kn_crossing_piece(kn_ctx *ctx, bool *fits, kn_crossing *x, int i, int 
     if (status != KN_OK) return status;
     *fits = x->plan->pieces.list[x->piece[i][j]].fits && growth(x, i, j) <= MOST_GROWTH;
     return *fits ? weight_stays(ctx, fits, x, i, j) : KN_OK;
+}
+
+kn_status kn_crossing_pieces(kn_ctx *ctx, bool *fit, kn_crossing *x)
+{
+    kn_status status = KN_OK;
+    *fit = true;
+    for (int i = 0; i <= x->n[0]; i++)
+        for (int j = 0; status == KN_OK && *fit && j <= x->n[1]; j++) status = kn_crossing_piece(ctx, fit, x, i, j);
+    return status;
 }

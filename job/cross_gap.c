@@ -106,6 +106,15 @@ static double composition(const kn_crossing *x, const kn_shell_piece *piece, con
     return kn_round_up(most * 1.01);
 }
 
+double kn_crossing_rounding(const kn_crossing *x, int i, int j)
+{
+    const kn_shell_piece *piece = &x->plan->pieces.list[x->piece[i][j]].piece;
+    double size = 0.0;
+    for (int t = 0; t < piece->nterms; t++)
+        size += largest(&piece->term[t], 0, piece->term[t].ncomp) * pow(x->top, piece->power[t]);
+    return kn_round_up(composition(x, piece, (const int[2]){i, j}) * size * 1.01);
+}
+
 kn_status kn_crossing_gap(kn_ctx *ctx, double *gap, const kn_crossing *x, int var, int i, int j, double delta)
 {
     const int a[2] = {i, j}, b[2] = {i + (var == 0), j + (var == 1)};

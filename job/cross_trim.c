@@ -105,19 +105,10 @@ static kn_status cut_strip(kn_ctx *ctx, kn_crossing *x, kn_trim *strip, int i, d
     return status;
 }
 
-static kn_status find_pieces(kn_ctx *ctx, bool *fit, kn_crossing *x)
-{
-    kn_status status = KN_OK;
-    *fit = true;
-    for (int i = 0; i <= x->n[0]; i++)
-        for (int j = 0; status == KN_OK && *fit && j <= x->n[1]; j++) status = kn_crossing_piece(ctx, fit, x, i, j);
-    return status;
-}
-
 kn_status kn_cross_trim(kn_ctx *ctx, bool *crossed, kn_crossing *x)
 {
     double tol = x->plan->job->options.crossing_tol, delta = COARSEST, error = 0.0;
-    kn_status status = find_pieces(ctx, crossed, x);
+    kn_status status = kn_crossing_pieces(ctx, crossed, x);
     if (status != KN_OK || !*crossed) return status;
     status = choose_delta(ctx, &delta, &error, x, tol);
     if (status == KN_OK && !(error <= tol)) {

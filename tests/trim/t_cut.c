@@ -4,7 +4,6 @@
 
 #include <knurl/trim.h>
 #include <math.h>
-#include <stdio.h>
 #include <string.h>
 
 static void random_function(kn_ctx *ctx, kn_bezier *f, test_rng *rng, int n, int m)
@@ -133,7 +132,6 @@ static void random_cuts(void **state)
         kn_bezier_clear(ctx, &f);
         kn_bezier_clear(ctx, &g);
     }
-    printf("# cuts %d undecided %d shared %d\n", cuts, undecided, shared);
     assert_true(undecided * 50 < cuts && shared > 0);
     test_ctx_end(ctx, &memory);
 }
