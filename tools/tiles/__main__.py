@@ -6,16 +6,13 @@ The first is the folder of the geometry, <tile>/<part>.g2 and, where a parameter
 <tile>/<part>@<parameter>.g2: the part with the parameter at its target. What is in the folder of a tile and no longer
 belongs there is removed. The second is the table of names, materials and parameters, which io/builtin_tile.c includes.
 
-A new tile is a function with @tile above it (base.py); a new module is named below.
+A new tile is a function with @tile above it (base.py); a new module is named there too.
 """
-import importlib
 import os
 import sys
 
 sys.dont_write_bytecode = True
-from base import GRID, TILES
-
-MODULES = ["mail", "scales", "relief", "hair", "weaves", "grips"]
+from base import GRID, TILES, load
 
 
 def check(name, part, at_value, at_target, halfway):
@@ -72,8 +69,7 @@ def write(path, text):
 
 
 def main(folder, header):
-    for module in MODULES:
-        importlib.import_module(module)
+    load()
     wanted = {}
     for tile in TILES:
         wanted |= files(tile)

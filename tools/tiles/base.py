@@ -6,11 +6,13 @@ Control points are multiples of 2^-12 (midpoints of them where a closed curve is
 that splitting at knots, mirroring and translating by whole cells are exact in binary, and edges that belong together
 are equal bit for bit.
 """
+import importlib
 import inspect
 import itertools
 import math
 
 GRID = 4096
+MODULES = ["mail", "scales", "relief", "hair", "weaves", "grips", "floors", "lattices", "creatures"]
 TILES = []  # in the order of registration, which is the order of the library
 
 
@@ -66,6 +68,12 @@ def closed(points, degree=2, shift=(0, 0, 0)):
 def square(a):
     """A control square whose closed quadratic is nearly a circle of radius a, the seam at (a, 0)."""
     return [(a, a), (-a, a), (-a, -a), (a, -a)]
+
+
+def load():
+    """Registers the tiles of all modules."""
+    for module in MODULES:
+        importlib.import_module(module)
 
 
 class Spline:
