@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // One patch as an ADVANCED_FACE: its surface, its boundary curves on the same control points, its loop.
+#include "io/step_face.h"
 #include "io/step_write.h"
 #include "kernel/context.h"
 
@@ -15,29 +16,23 @@ static const bool edge_forward[4] = {true, true, false, false};
 // Points closer than this are one point to the programs that read the file.
 static const double same_mm = 1e-7;
 
-typedef struct face {
-    int nr, nt, n; // control points along r, along t, together
-    bool rational;
-    const double *point; // n times x, y, z in mm, weight
-    uint64_t first; // numbers: the points, then the surface, 4 curves, 4 vertices, 4 edges, 4 oriented edges, ...
-    double same;
-    int vertex[4];     // the corner whose vertex a corner uses
-    bool collapsed[4]; // an edge that is a point
-    int curve[4];      // the edge whose curve an edge uses: not its own across the seam of a closed patch
-} face;
+double kn_step_same(double largest)
+{
+    return fmax(same_mm, 1e-12 * largest); // far above the rounding of a composition
+}
 
 uint64_t kn_step_face(const kn_bezier *b, uint64_t first)
 {
     return first + kn_bezier_count(b) + KN_STEP_FACE_NUMBERS - 1;
 }
 
-static uint64_t number(const face *f, int offset)
+uint64_t kn_step_number(const kn_step_net *f, int offset)
 {
     return f->first + (uint64_t)(f->n + offset);
 }
 
 // Control point k of edge e, as an index into the net.
-static int edge_point(const face *f, int e, int k)
+static int edge_point(const kn_step_net *f, int e, int k)
 {
     switch (e) {
     case 0: return k * f->nt;
@@ -47,18 +42,18 @@ static int edge_point(const face *f, int e, int k)
     }
 }
 
-static int edge_length(const face *f, int e)
+static int edge_length(const kn_step_net *f, int e)
 {
     return e % 2 == 0 ? f->nr : f->nt;
 }
 
-static int corner_point(const face *f, int corner)
+static int corner_point(const kn_step_net *f, int corner)
 {
     int r = corner == 1 || corner == 2 ? f->nr - 1 : 0, t = corner >= 2 ? f->nt - 1 : 0;
     return r * f->nt + t;
 }
 
-static bool same_point(const face *f, int a, int b)
+static bool same_point(const kn_step_net *f, int a, int b)
 {
     for (int c = 0; c < 3; c++)
         if (fabs(f->point[4 * a + c] - f->point[4 * b + c]) > f->same) return false;
@@ -66,7 +61,7 @@ static bool same_point(const face *f, int a, int b)
 }
 
 // Scaled and projected points; *largest receives the largest coordinate.
-static kn_status load(kn_ctx *ctx, double *point, double *largest, const kn_bezier *b, double mm)
+kn_status kn_step_load(kn_ctx *ctx, double *point, double *largest, const kn_bezier *b, double mm)
 {
     size_t n = kn_bezier_count(b);
     bool good = true;
@@ -85,7 +80,7 @@ static kn_status load(kn_ctx *ctx, double *point, double *largest, const kn_bezi
     return good ? KN_OK : kn_fail(ctx, KN_EUNDEFINED, "STEP: a control point of a patch is not finite");
 }
 
-static bool weights_differ(const kn_bezier *b)
+bool kn_step_weights_differ(const kn_bezier *b)
 {
     size_t n = kn_bezier_count(b);
     for (size_t k = 1; k < n && b->rational; k++)
@@ -93,7 +88,7 @@ static bool weights_differ(const kn_bezier *b)
     return false;
 }
 
-static void find_topology(face *f)
+void kn_step_find_topology(kn_step_net *f)
 {
     for (int c = 0; c < 4; c++) {
         f->vertex[c] = 0;
@@ -110,7 +105,7 @@ static void find_topology(face *f)
     }
 }
 
-static void put_points(kn_text *text, const face *f)
+void kn_step_put_points(kn_text *text, const kn_step_net *f)
 {
     for (int k = 0; k < f->n; k++) {
         kn_step_put_number(text, f->first + (uint64_t)k);
@@ -125,7 +120,7 @@ static void put_points(kn_text *text, const face *f)
 }
 
 // A list, or a list of lists, of point numbers or of weights.
-static void put_net(kn_text *text, const face *f, bool weights)
+static void put_net(kn_text *text, const kn_step_net *f, bool weights)
 {
     kn_text_char(text, '(');
     for (int k = 0; k < f->n; k++) {
@@ -140,7 +135,7 @@ static void put_net(kn_text *text, const face *f, bool weights)
     kn_text_char(text, ')');
 }
 
-static void put_edge_list(kn_text *text, const face *f, int e, bool weights)
+static void put_edge_list(kn_text *text, const kn_step_net *f, int e, bool weights)
 {
     kn_text_char(text, '(');
     for (int k = 0; k < edge_length(f, e); k++) {
@@ -154,7 +149,7 @@ static void put_edge_list(kn_text *text, const face *f, int e, bool weights)
     kn_text_char(text, ')');
 }
 
-static void put_logical(kn_text *text, bool value)
+void kn_step_put_logical(kn_text *text, bool value)
 {
     kn_text_put(text, value ? ".T." : ".F.");
 }
@@ -169,7 +164,7 @@ static void put_multiplicity(kn_text *text, int n)
 }
 
 // The attributes of B_SPLINE_SURFACE and of B_SPLINE_SURFACE_WITH_KNOTS, which the rational form lists apart.
-static void put_surface_shape(kn_text *text, const face *f)
+static void put_surface_shape(kn_text *text, const kn_step_net *f)
 {
     kn_text_integer(text, (uint64_t)(f->nr - 1));
     kn_text_char(text, ',');
@@ -177,13 +172,13 @@ static void put_surface_shape(kn_text *text, const face *f)
     kn_text_char(text, ',');
     put_net(text, f, false);
     kn_text_put(text, ",.UNSPECIFIED.,");
-    put_logical(text, f->curve[3] != 3); // closed in r: the edges r = 0 and r = 1 coincide
+    kn_step_put_logical(text, f->curve[3] != 3); // closed in r: the edges r = 0 and r = 1 coincide
     kn_text_char(text, ',');
-    put_logical(text, f->curve[2] != 2);
+    kn_step_put_logical(text, f->curve[2] != 2);
     kn_text_put(text, ",.F.");
 }
 
-static void put_surface_knots(kn_text *text, const face *f)
+static void put_surface_knots(kn_text *text, const kn_step_net *f)
 {
     put_multiplicity(text, f->nr);
     kn_text_char(text, ',');
@@ -191,9 +186,9 @@ static void put_surface_knots(kn_text *text, const face *f)
     kn_text_put(text, ",(0.,1.),(0.,1.),.UNSPECIFIED.");
 }
 
-static void put_surface(kn_text *text, const face *f)
+void kn_step_put_surface(kn_text *text, const kn_step_net *f)
 {
-    kn_step_put_number(text, number(f, 0));
+    kn_step_put_number(text, kn_step_number(f, 0));
     kn_text_put(text, f->rational ? "(BOUNDED_SURFACE()B_SPLINE_SURFACE(" : "B_SPLINE_SURFACE_WITH_KNOTS('',");
     put_surface_shape(text, f);
     kn_text_put(text, f->rational ? ")B_SPLINE_SURFACE_WITH_KNOTS(" : ",");
@@ -209,16 +204,16 @@ static void put_surface(kn_text *text, const face *f)
     kn_text_newline(text);
 }
 
-static void put_curve(kn_text *text, const face *f, int e)
+static void put_curve(kn_text *text, const kn_step_net *f, int e)
 {
     bool closed = f->vertex[edge_start[e]] == f->vertex[edge_end[e]];
-    kn_step_put_number(text, number(f, 1 + e));
+    kn_step_put_number(text, kn_step_number(f, 1 + e));
     kn_text_put(text, f->rational ? "(BOUNDED_CURVE()B_SPLINE_CURVE(" : "B_SPLINE_CURVE_WITH_KNOTS('',");
     kn_text_integer(text, (uint64_t)(edge_length(f, e) - 1));
     kn_text_char(text, ',');
     put_edge_list(text, f, e, false);
     kn_text_put(text, ",.UNSPECIFIED.,");
-    put_logical(text, closed);
+    kn_step_put_logical(text, closed);
     kn_text_put(text, f->rational ? ",.F.)B_SPLINE_CURVE_WITH_KNOTS(" : ",.F.,");
     put_multiplicity(text, edge_length(f, e));
     kn_text_put(text, ",(0.,1.),.UNSPECIFIED.");
@@ -233,46 +228,46 @@ static void put_curve(kn_text *text, const face *f, int e)
     kn_text_newline(text);
 }
 
-static void put_edge(kn_text *text, const face *f, int e)
+static void put_edge(kn_text *text, const kn_step_net *f, int e)
 {
-    kn_step_put_number(text, number(f, 9 + e));
+    kn_step_put_number(text, kn_step_number(f, 9 + e));
     kn_text_put(text, "EDGE_CURVE('',");
-    kn_text_reference(text, number(f, 5 + f->vertex[edge_start[e]]));
+    kn_text_reference(text, kn_step_number(f, 5 + f->vertex[edge_start[e]]));
     kn_text_char(text, ',');
-    kn_text_reference(text, number(f, 5 + f->vertex[edge_end[e]]));
+    kn_text_reference(text, kn_step_number(f, 5 + f->vertex[edge_end[e]]));
     kn_text_char(text, ',');
-    kn_text_reference(text, number(f, 1 + e));
+    kn_text_reference(text, kn_step_number(f, 1 + e));
     kn_text_put(text, ",.T.);");
     kn_text_newline(text);
 }
 
-static void put_vertex(kn_text *text, const face *f, int corner)
+static void put_vertex(kn_text *text, const kn_step_net *f, int corner)
 {
-    kn_step_put_number(text, number(f, 5 + corner));
+    kn_step_put_number(text, kn_step_number(f, 5 + corner));
     kn_text_put(text, "VERTEX_POINT('',");
     kn_text_reference(text, f->first + (uint64_t)corner_point(f, corner));
     kn_text_put(text, ");");
     kn_text_newline(text);
 }
 
-static void put_oriented_edge(kn_text *text, const face *f, int e)
+static void put_oriented_edge(kn_text *text, const kn_step_net *f, int e)
 {
-    kn_step_put_number(text, number(f, 13 + e));
+    kn_step_put_number(text, kn_step_number(f, 13 + e));
     kn_text_put(text, "ORIENTED_EDGE('',*,*,");
-    kn_text_reference(text, number(f, 9 + f->curve[e]));
+    kn_text_reference(text, kn_step_number(f, 9 + f->curve[e]));
     kn_text_put(text, edge_forward[e] ? ",.T.);" : ",.F.);");
     kn_text_newline(text);
 }
 
-static void put_loop(kn_text *text, const face *f)
+static void put_loop(kn_text *text, const kn_step_net *f)
 {
     bool written = false;
-    kn_step_put_number(text, number(f, 17));
+    kn_step_put_number(text, kn_step_number(f, 17));
     kn_text_put(text, "EDGE_LOOP('',(");
     for (int e = 0; e < 4; e++) {
         if (f->collapsed[e]) continue;
         if (written) kn_text_char(text, ',');
-        kn_text_reference(text, number(f, 13 + e));
+        kn_text_reference(text, kn_step_number(f, 13 + e));
         written = true;
     }
     kn_text_put(text, "));");
@@ -280,18 +275,18 @@ static void put_loop(kn_text *text, const face *f)
 }
 
 // A patch like a balloon: its whole boundary is one point.
-static void put_vertex_loop(kn_text *text, const face *f)
+static void put_vertex_loop(kn_text *text, const kn_step_net *f)
 {
     put_vertex(text, f, 0);
-    kn_step_put_number(text, number(f, 17));
+    kn_step_put_number(text, kn_step_number(f, 17));
     kn_text_put(text, "VERTEX_LOOP('',");
-    kn_text_reference(text, number(f, 5));
+    kn_text_reference(text, kn_step_number(f, 5));
     kn_text_put(text, ");");
     kn_text_newline(text);
 }
 
 // Vertices and edges that are in use, then the edges in the order of the loop.
-static void put_boundary(kn_text *text, const face *f)
+static void put_boundary(kn_text *text, const kn_step_net *f)
 {
     bool used[4] = {false, false, false, false}, any = false;
     for (int e = 0; e < 4; e++) {
@@ -315,48 +310,55 @@ static void put_boundary(kn_text *text, const face *f)
     put_loop(text, f);
 }
 
-// The loop runs counterclockwise about r x t. A reversed patch turns both the face and the loop over.
-static void put_face(kn_text *text, const face *f, const kn_patch_id *id, const char *part, bool reversed)
+void kn_step_name(char name[KN_STEP_NAME_BYTES], const kn_patch_id *id, const char *part)
 {
-    char name[KN_NAME_BYTES + 96];
-    int length = snprintf(name, sizeof name, "s%d c%d,%d %s %d", id->surface, id->cell[0], id->cell[1], part,
-                          id->patch);
-    if (id->piece > 0 && length > 0 && (size_t)length < sizeof name)
-        snprintf(name + length, sizeof name - (size_t)length, ".%d", id->piece);
-    kn_step_put_number(text, number(f, 18));
+    int length = snprintf(name, (size_t)KN_STEP_NAME_BYTES, "s%d c%d,%d %s %d", id->surface, id->cell[0], id->cell[1],
+                          part, id->patch);
+    if (id->piece > 0 && length > 0 && (size_t)length < (size_t)KN_STEP_NAME_BYTES)
+        snprintf(name + length, (size_t)KN_STEP_NAME_BYTES - (size_t)length, ".%d", id->piece);
+}
+
+// The loop runs counterclockwise about r x t. A reversed patch turns both the face and the loop over.
+static void put_face(kn_text *text, const kn_step_net *f, const kn_patch_id *id, const char *part, bool reversed)
+{
+    char name[KN_STEP_NAME_BYTES];
+    kn_step_name(name, id, part);
+    kn_step_put_number(text, kn_step_number(f, 18));
     kn_text_put(text, "FACE_OUTER_BOUND('',");
-    kn_text_reference(text, number(f, 17));
+    kn_text_reference(text, kn_step_number(f, 17));
     kn_text_char(text, ',');
-    put_logical(text, !reversed);
+    kn_step_put_logical(text, !reversed);
     kn_text_put(text, ");");
     kn_text_newline(text);
-    kn_step_put_number(text, number(f, 19));
+    kn_step_put_number(text, kn_step_number(f, 19));
     kn_text_put(text, "ADVANCED_FACE(");
     kn_text_step_string(text, name);
     kn_text_put(text, ",(");
-    kn_text_reference(text, number(f, 18));
+    kn_text_reference(text, kn_step_number(f, 18));
     kn_text_put(text, "),");
-    kn_text_reference(text, number(f, 0));
+    kn_text_reference(text, kn_step_number(f, 0));
     kn_text_char(text, ',');
-    put_logical(text, !reversed);
+    kn_step_put_logical(text, !reversed);
     kn_text_put(text, ");");
     kn_text_newline(text);
 }
 
 kn_status kn_step_put_face(kn_text *text, const kn_patch *patch, const char *part, uint64_t first, double mm)
 {
+    if (patch->trim) return kn_step_put_trimmed(text, patch, part, first, mm);
     const kn_bezier *b = &patch->bezier;
     kn_mark mark = kn_scratch_mark(text->ctx);
     double *point = kn_scratch(text->ctx, 4 * kn_bezier_count(b), sizeof *point), largest = 0.0;
-    kn_status status = point != NULL ? load(text->ctx, point, &largest, b, mm) : KN_ENOMEM;
+    kn_status status = point != NULL ? kn_step_load(text->ctx, point, &largest, b, mm) : KN_ENOMEM;
     if (status == KN_OK) {
-        face f = {.nr = b->degree[0] + 1, .nt = b->degree[1] + 1, .rational = weights_differ(b), .point = point};
+        kn_step_net f = {
+            .nr = b->degree[0] + 1, .nt = b->degree[1] + 1, .rational = kn_step_weights_differ(b), .point = point};
         f.n = f.nr * f.nt;
         f.first = first;
-        f.same = fmax(same_mm, 1e-12 * largest); // far above the rounding of a composition
-        find_topology(&f);
-        put_points(text, &f);
-        put_surface(text, &f);
+        f.same = kn_step_same(largest);
+        kn_step_find_topology(&f);
+        kn_step_put_points(text, &f);
+        kn_step_put_surface(text, &f);
         put_boundary(text, &f);
         put_face(text, &f, &patch->id, part, patch->reversed);
     }

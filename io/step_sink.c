@@ -3,6 +3,7 @@
 #include <knurl/io.h>
 
 #include "io/out_file.h"
+#include "io/step_face.h"
 #include "io/step_write.h"
 #include "kernel/context.h"
 
@@ -74,6 +75,7 @@ static kn_status number_patches(kn_ctx *ctx, step *s, const kn_job_report *repor
     s->patches = report->patches;
     s->first = KN_STEP_PARTS + KN_STEP_PART_NUMBERS * (uint64_t)s->nparts;
     s->stride = (uint64_t)(s->degree[0] + 1) * (uint64_t)(s->degree[1] + 1) + KN_STEP_FACE_NUMBERS;
+    s->stride += kn_step_trim_room(report);
     if (s->patches <= (INT_MAX - s->first) / s->stride) return KN_OK;
     return kn_fail(ctx, KN_ELIMIT, "STEP: %zu patches of degree %d,%d need entity numbers beyond %d", report->patches,
                    s->degree[0], s->degree[1], INT_MAX);

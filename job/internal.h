@@ -355,6 +355,7 @@ typedef struct kn_job_cell_plan {
     kn_normal_certificate normal; // the worst of the pieces in use
     double stand_in;
     double crossing; // kn_job_report.crossing_error
+    size_t trim_curves, trim_spans;
 } kn_job_cell_plan;
 // Appends a leaf, which takes what belongs to *leaf: that is then empty. Sets key's terms from the piece.
 kn_status kn_job_add_leaf(kn_ctx *ctx, kn_job_cell_plan *plan, kn_job_leaf *leaf);
@@ -372,6 +373,11 @@ kn_status kn_job_cut_own(kn_ctx *ctx, kn_job_patches *out, const kn_job *job, in
 // *plan, zero-initialised, = what the cell numbered `index` composes: the same answer whenever it is asked.
 // outline: to count it; pieces may come without coefficients then (kn_job_cross and kn_job_map_meshes get them whole).
 kn_status kn_job_plan_cell(kn_ctx *ctx, kn_job_cell_plan *plan, const kn_job *job, size_t index, bool outline);
+
+// ---- job.c ----
+// The cell, in the job's order, and the leaf of its plan that id names; false and NULL: there is none.
+bool kn_job_find_cell(size_t *index, const kn_job *job, const kn_patch_id *id);
+const kn_job_leaf *kn_job_find_leaf(const kn_job_cell_plan *plan, const kn_patch_id *id);
 
 // ---- plan.c ----
 // job->keys, lists, alike and what the report says of them; patches and surfaces are there.

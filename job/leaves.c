@@ -40,6 +40,15 @@ static void take_terms(kn_job_key *key, const kn_shell_piece *piece)
     key->factor = (uint8_t)factor;
 }
 
+static void count_trim(kn_job_cell_plan *plan, const kn_trim *trim)
+{
+    size_t curves = (size_t)trim->ncurves, spans = 0;
+    for (int k = 0; k < trim->ncurves; k++)
+        spans += (size_t)kn_spline_spans(&trim->curves[k], 0) * (trim->curves[k].degree[0] > 1 ? 8 : 1);
+    plan->trim_curves = curves > plan->trim_curves ? curves : plan->trim_curves;
+    plan->trim_spans = spans > plan->trim_spans ? spans : plan->trim_spans;
+}
+
 kn_status kn_job_add_leaf(kn_ctx *ctx, kn_job_cell_plan *plan, kn_job_leaf *leaf)
 {
     if (plan->count == plan->room) {
@@ -58,6 +67,7 @@ kn_status kn_job_add_leaf(kn_ctx *ctx, kn_job_cell_plan *plan, kn_job_leaf *leaf
     }
     bool shifted = leaf->shift[0] != 0 || leaf->shift[1] != 0;
     if (leaf->own || leaf->alone || shifted || leaf->trim.nloops > 0 || leaf->made.coef || leaf->mesh.position) plan->shared = false;
+    count_trim(plan, &leaf->trim);
     plan->leaves[plan->count++] = *leaf;
     leaf->trim = (kn_trim){0};
     leaf->made = (kn_bezier){0};

@@ -140,7 +140,7 @@ static void count_leaf(kn_job_report *r, const kn_job *job, int nvars, const kn_
     r->patches += uses;
     r->exact_patches += key->exact ? uses : 0;
     r->control_points += uses * kn_job_numbers(degree);
-    r->triangles += uses * kn_job_triangles(nvars, segments);
+    if (!job->detail) r->triangles += uses * kn_job_triangles(nvars, segments); // else: count_coarse
     r->curves += nvars == 1 ? uses : 0;
     r->volumes += nvars == 3 ? uses : 0;
     int most = nvars == 3 ? larger(degree[0], larger(degree[1], degree[2])) : 0;
@@ -171,6 +171,21 @@ static void count_own(kn_job *job, kn_job_alike *to, const kn_job_cell_plan *pla
 
 // ---- merging ----
 
+// Triangles of the patches of cells that each have their own detail.
+static void count_coarse(kn_job *job, const entry *e)
+{
+    for (size_t cell = e->first_cell; job->detail && cell < e->first_cell + e->cells; cell++)
+        for (int i = 0; i < e->plan.count; i++) {
+            const kn_job_leaf *leaf = &e->plan.leaves[i];
+            int segments[KN_JOB_VARS];
+            if (leaf->mesh.position) continue;
+            kn_job_segments(job, &leaf->key, segments);
+            kn_job_coarsen(job, cell, segments);
+            int nvars = leaf->made.coef ? leaf->made.nvars : kn_job_leaf_patch(&e->plan, leaf)->d.nvars;
+            job->report.triangles += kn_job_triangles(nvars, segments);
+        }
+}
+
 static kn_status merge(kn_ctx *ctx, planning *p, const entry *e)
 {
     const kn_job_cell_plan *plan = &e->plan;
@@ -195,6 +210,7 @@ static kn_status merge(kn_ctx *ctx, planning *p, const entry *e)
         *last = (kn_job_alike){.first_cell = e->first_cell, .list = list};
     }
     if (list == KN_JOB_OWN) count_own(job, last, plan);
+    count_coarse(job, e);
     if (plan->there) job->report.cells += e->cells;
     return KN_OK;
 }
@@ -211,6 +227,8 @@ static kn_status commit(kn_ctx *ctx, void *user, size_t index, void *made)
         worsen(&p->job->report.normal, &plan->normal);
         p->job->report.stand_in_error = fmax(p->job->report.stand_in_error, plan->stand_in);
         p->job->report.crossing_error = fmax(p->job->report.crossing_error, plan->crossing);
+        if (plan->trim_curves > p->job->report.trim_curves) p->job->report.trim_curves = plan->trim_curves;
+        if (plan->trim_spans > p->job->report.trim_spans) p->job->report.trim_spans = plan->trim_spans;
     }
     drop_bunch(ctx, user, made);
     return status;

@@ -192,6 +192,8 @@ typedef struct kn_job_report {
     // Bound of |patch - T(D)|, and of the gap between patches, where tile patches cross knot lines (options.crossing),
     // length units, rounding included; 0: none does.
     double crossing_error;
+    // The most that one patch's trim has: curves, and their spans (those of a degree above 1 count 8 times).
+    size_t trim_curves, trim_spans;
 } kn_job_report;
 
 // Stable identity of an output patch.
@@ -304,6 +306,24 @@ typedef struct kn_patch_place {
 // out unchanged.
 KN_API KN_CHECKED kn_status kn_job_source(kn_ctx *ctx, kn_bezier *out, kn_patch_place *place, const kn_job *job,
                                           const kn_patch_id *id);
+
+// How an output patch changes: d (its control points) / d (parameter k of the tile), and / d (control point `index`
+// of the surface of a job's shell, kn_shell_surface).
+// in:     a composed patch, of no mesh and not approximated (kn_job_options.crossing). Cuts at cell lines, and lines,
+//         stay where they are in the tile patch and on S. A parameter that a field varies grows by the same
+//         everywhere, and its range does not count.
+// out:    initialised, overwritten, polynomial, of the patch's degrees: by a parameter as many components as the
+//         patch has (homogeneous coordinates one by one, where it is rational); by a control point of the base one,
+//         the same for every component (its homogeneous coordinates, where it is rational). That counts S alone: n is
+//         held, which is exact where a direction takes its place, and else leaves w dn/dP out.
+// fails:  KN_EDOMAIN no such patch, parameter, surface or control point; a patch that is no composition; a volume;
+//         KN_ENOMEM; out unchanged.
+// error:  as kn_compose_piece and kn_bezier_product, in absolute values; by the base as kn_spline_restrict and
+//         kn_bezier_compose. cost: the plan of one cell and three compositions.
+KN_API KN_CHECKED kn_status kn_job_parameter_sensitivity(kn_ctx *ctx, kn_bezier *out, const kn_job *job,
+                                                         const kn_patch_id *id, int parameter);
+KN_API KN_CHECKED kn_status kn_job_base_sensitivity(kn_ctx *ctx, kn_bezier *out, const kn_job *job,
+                                                    const kn_patch_id *id, int surface, const int index[2]);
 
 // Composes everything and sends it to the sinks. The same patches in the same order, bit for bit, for any number of
 // threads (on one kind of processor: docs/numerics.md, compose). Memory: the matrices and the blocks in flight, 2 MiB
