@@ -455,6 +455,12 @@ kn_status kn_job_vary_patch(kn_ctx *ctx, kn_bezier *d, const kn_job *job, int su
 kn_status kn_job_cross(kn_ctx *ctx, bool *crossed, kn_job_cell_plan *plan, const kn_job_leaf *leaf,
                        const kn_job_place *place, const kn_bezier *d);
 
+// ---- leaf_trim.c ----
+// Whether the tile's surface is trimmed of which the leaf is a part; and what that leaves, in the [0,1]^2 of its rect.
+bool kn_job_is_trimmed(const kn_job_cell_plan *plan, const kn_job_leaf *leaf);
+kn_status kn_job_leaf_trim(kn_ctx *ctx, kn_trim *out, bool *any, const kn_job_cell_plan *plan,
+                           const kn_job_leaf *leaf);
+
 // ---- cross_boxes.c ----
 // Whether S has a knot at a cell line inside its domain, or is closed there: `line` counts from the cell. Where patches
 // may cross, so do lines count between cells of different widths, at which (u,v) in cells is bent.

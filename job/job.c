@@ -83,6 +83,15 @@ static bool find_cell(int *surface, int cell[2], const kn_job *job, const kn_pat
     return false;
 }
 
+bool kn_job_find_cell(size_t *index, const kn_job *job, const kn_patch_id *id)
+{
+    int surface, cell[2];
+    if (!find_cell(&surface, cell, job, id)) return false;
+    const kn_job_surface *s = &job->surfaces[surface];
+    *index = s->first_cell + (size_t)cell[0] * (size_t)s->cells[1] + (size_t)cell[1];
+    return true;
+}
+
 // The key that id names in a list; false: there is none.
 static bool find_ref(kn_job_key *key, const kn_job *job, const kn_job_list *list, const kn_patch_id *id)
 {
@@ -98,7 +107,7 @@ static bool find_ref(kn_job_key *key, const kn_job *job, const kn_job_list *list
     return false;
 }
 
-static const kn_job_leaf *find_leaf(const kn_job_cell_plan *plan, const kn_patch_id *id)
+const kn_job_leaf *kn_job_find_leaf(const kn_job_cell_plan *plan, const kn_patch_id *id)
 {
     int piece = 0;
     for (int i = 0; i < plan->count; i++) {
@@ -124,7 +133,7 @@ static kn_status find_source(kn_ctx *ctx, kn_bezier *d, int offset[2], const kn_
         if (find_ref(&key, job, &job->lists.list[alike->list], id)) patch = &job->patches[key.patch];
     } else {
         status = kn_job_plan_cell(ctx, &plan, job, cell, false);
-        const kn_job_leaf *leaf = status == KN_OK ? find_leaf(&plan, id) : NULL;
+        const kn_job_leaf *leaf = status == KN_OK ? kn_job_find_leaf(&plan, id) : NULL;
         if (leaf) patch = kn_job_leaf_patch(&plan, leaf), key = leaf->key;
     }
     if (status == KN_OK && !patch) status = kn_fail(ctx, KN_EDOMAIN, "job: no such patch");

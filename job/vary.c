@@ -251,3 +251,55 @@ kn_status kn_job_vary_mesh(kn_ctx *ctx, double *position, const kn_job *job, int
     kn_scratch_release(ctx, mark);
     return status;
 }
+
+// ---- how control points move with a parameter ----
+
+// The Bezier patch numbered `patch` of a spline; out: initialised, overwritten.
+static kn_status take_patch(kn_ctx *ctx, kn_bezier *out, const kn_spline *spline, int patch)
+{
+    kn_bezier *pieces = NULL;
+    size_t n = 0;
+    kn_status status = kn_spline_to_bezier(ctx, &pieces, &n, spline);
+    for (size_t i = 0; i < n; i++) {
+        if (status == KN_OK && i == (size_t)patch) kn_bezier_swap(out, &pieces[i]);
+        kn_bezier_clear(ctx, &pieces[i]);
+    }
+    kn_free(ctx, pieces);
+    return status;
+}
+
+kn_status kn_job_vary_slope(kn_ctx *ctx, kn_bezier *out, const kn_job *job, int surface, const int cell[2],
+                            const kn_job_instance *instance, int part, int spline, int patch, int parameter)
+{
+    const kn_tile_part *from = &job->tile.parts[part];
+    const kn_tile_parameter *p = &job->tile.parameters[parameter];
+    const kn_spline *target = from->targets ? &from->targets[parameter * from->nsplines + spline] : NULL;
+    const kn_job_options *o = &job->options;
+    kn_bezier rest = {0}, move = {0};
+    amounts a = {.factor = 1.0};
+    for (int s = 0; s < spline; s++) patch -= bezier_patches(&from->splines[s]);
+    kn_status status = take_patch(ctx, &rest, &from->splines[spline], patch);
+    if (status == KN_OK)
+        status = target && target->coef ? take_patch(ctx, &move, target, patch) : kn_bezier_copy(ctx, &move, &rest);
+    kn_mark mark = kn_scratch_mark(ctx);
+    if (status == KN_OK && job->varying) {
+        a.blend = kn_scratch(ctx, (size_t)job->varying->nrules, sizeof *a.blend);
+        if (!a.blend) status = KN_ENOMEM;
+    }
+    size_t n = status == KN_OK ? kn_bezier_count(&rest) : 0;
+    for (size_t i = 0; status == KN_OK && i < n; i++) {
+        double w = rest.coef[2 * n + i];
+        const double at[3] = {rest.coef[i], rest.coef[n + i],
+                              o->offset + o->height * (o->side == KN_JOB_BOTH ? 2.0 * w - 1.0 : w)};
+        if (job->varying) status = find_amounts(ctx, &a, job, surface, cell, instance, at);
+        for (size_t c = 0; c < 3; c++) {
+            double scale = c < 2 ? 1.0 : a.factor * height_of_one(o);
+            move.coef[c * n + i] = scale * (move.coef[c * n + i] - rest.coef[c * n + i]) / (p->target - p->value);
+        }
+    }
+    kn_scratch_release(ctx, mark);
+    if (status == KN_OK) kn_bezier_swap(out, &move);
+    kn_bezier_clear(ctx, &rest);
+    kn_bezier_clear(ctx, &move);
+    return status;
+}

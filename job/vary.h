@@ -54,4 +54,9 @@ typedef struct kn_job_varying {
 kn_status kn_job_vary_mesh(kn_ctx *ctx, double *position, const kn_job *job, int surface, const int cell[2],
                            const kn_job_instance *instance, int part);
 
+// d (control points of a Bezier patch of the placed tile) / d (a parameter of it, the same everywhere), w in length
+// units, before instance->map; ranges of parameters are left out. out: initialised, overwritten.
+kn_status kn_job_vary_slope(kn_ctx *ctx, kn_bezier *out, const kn_job *job, int surface, const int cell[2],
+                            const kn_job_instance *instance, int part, int spline, int patch, int parameter);
+
 #endif
