@@ -46,7 +46,7 @@
  .nparameters = 1,
  .covering = true},
 {.name = "fur",
- .about = "fur: bent hairs, 25 in each cell, each a cone that ends in a point",
+ .about = "fur: bent hairs, 36 in each cell, each a cone that ends in a point",
  .aspect = 1.0,
  .part = (const part_source[]){{"hair", {{0.3, 0.17, 0.07}, 0.0, 0.5}}},
  .nparts = 1,
