@@ -180,9 +180,11 @@ $(B)/gen/embedded.c: tools/embed.sh $(B)/embed.list $(EMBEDDED)
 	$(Q)tools/embed.sh data/tiles $(EMBEDDED) > $@
 
 # Writes them anew from their models; tiles-check compares what is there with what would be written.
-.PHONY: tiles tiles-check
+.PHONY: tiles tiles-check tiles-sheet
 tiles:
 	$(Q)python3 tools/tiles data/tiles io/builtin_table.h
+tiles-sheet: $(KNURL) # a picture of each, and one of all
+	$(Q)python3 tools/tiles/sheet.py $(KNURL) data/tiles $(B)/tiles-sheet docs/pictures
 tiles-check:
 	$(Q)rm -rf $(B)/tiles; python3 tools/tiles $(B)/tiles/data $(B)/tiles/table.h
 	$(Q)diff -r data/tiles $(B)/tiles/data && diff io/builtin_table.h $(B)/tiles/table.h || \
