@@ -135,8 +135,8 @@ kn_status kn_out_restore(kn_ctx *ctx, kn_out_file *file, kn_state_reader *state)
     const char *name = kn_state_take(state, &size, sizeof size) ? kn_state_take_block(state, &bytes) : NULL;
     if (name == NULL || file->temporary[0] == '\0' || !is_ours(file, name, bytes))
         return kn_fail(ctx, KN_EDOMAIN, "%s: the interrupted run wrote another file", file->path);
-    errno = 0;
-    FILE *stream = fopen(name, "r+b");
+    errno = ENOENT; // this handle's own name was free: that of the interrupted run is gone
+    FILE *stream = strcmp(name, file->temporary) != 0 ? fopen(name, "r+b") : NULL;
     if (stream == NULL) return kn_fail_io(ctx, name, "cannot go on with", errno);
     bool enough = fstat(fileno(stream), &there) == 0 && (uint64_t)there.st_size >= size;
     bool ready = enough && ftruncate(fileno(stream), (off_t)size) == 0 && fseek(stream, 0, SEEK_END) == 0;
