@@ -82,6 +82,7 @@ static kn_patch *next_patch(kn_ctx *ctx, composer *c, const kn_job_patch *from, 
     to->reversed = (c->job->options.height < 0.0) != (from && from->mirrored);
     to->exact = key->exact;
     kn_job_segments(c->job, key, to->segments);
+    kn_job_coarsen(c->job, s->first_cell + (size_t)cell[0] * (size_t)s->cells[1] + (size_t)cell[1], to->segments);
     if (nvars > 0) {
         to->bezier = (kn_bezier){.nvars = nvars, .ncomp = c->ncomp, .rational = c->ncomp == 4};
         for (int d = 0; d < nvars; d++) to->bezier.degree[d] = degree[d];

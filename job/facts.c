@@ -23,6 +23,14 @@ void kn_job_segments(const kn_job *job, const kn_job_key *key, int segments[KN_J
     }
 }
 
+void kn_job_coarsen(const kn_job *job, size_t cell, int segments[KN_JOB_VARS])
+{
+    for (int d = 0; d < KN_JOB_VARS && job->detail; d++) {
+        int n = segments[d] >> job->detail[cell];
+        segments[d] = n > 1 ? n : 1;
+    }
+}
+
 size_t kn_job_triangles(int nvars, const int segments[KN_JOB_VARS])
 {
     return nvars == 2 ? 2 * (size_t)segments[0] * (size_t)segments[1] : 0;
