@@ -105,14 +105,20 @@ int assignment_in(const char *text)
     return -1;
 }
 
+// at: counted from 0, as muParser does, which also says it in words and may mean the blank that it appends.
 kn_status fail_at(kn_ctx *ctx, const char *text, const std::string &message, int at)
 {
     std::string line;
+    int last = static_cast<int>(strnlen(text, 1 << 20));
     for (char c : message) line += c == '\n' || c == '\r' ? ' ' : c;
-    size_t place = line.find(" at position "); // counted from 0: ours is from 1
-    if (place != std::string::npos) line.erase(place, line.find_first_not_of("0123456789", place + 13) - place);
+    for (const char *words : {" at expression position ", " at position "}) {
+        size_t place = line.find(words);
+        if (place != std::string::npos)
+            line.erase(place, line.find_first_not_of("0123456789", place + strlen(words)) - place);
+    }
     while (!line.empty() && (line.back() == '.' || line.back() == ' ')) line.pop_back();
-    return kn_fail(ctx, KN_EPARSE, "expression '%.200s': %.200s, at %d", text, line.c_str(), at + 1);
+    return kn_fail(ctx, KN_EPARSE, "expression '%.200s': %.200s, at %d", text, line.c_str(),
+                   1 + (at < 0 ? 0 : at > last ? last : at));
 }
 
 } // namespace
