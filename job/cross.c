@@ -6,13 +6,22 @@ kn_status kn_job_cross(kn_ctx *ctx, bool *crossed, kn_job_cell_plan *plan, const
                        const kn_job_place *place, const kn_bezier *d)
 {
     kn_crossing x;
-    bool few;
+    bool few, any = true;
     kn_job_crossing way = plan->job->options.crossing;
+    kn_job_leaf part = *leaf; // with what the tile's own trim leaves of it
     *crossed = false;
-    kn_crossing_init(&few, &x, plan, leaf, place, d);
-    if (!few) return KN_OK;
+    kn_crossing_init(&few, &x, plan, &part, place, d);
+    if (!few || d->nvars > 2) return KN_OK;
     if (d->nvars == 1) return kn_cross_curve(ctx, crossed, &x);
-    if (d->nvars != 2 || way == KN_CROSSING_REFUSE) return KN_OK;
-    bool one_box = x.n[0] == 0 && x.n[1] == 0; // exact, and nothing to trim
-    return one_box || way == KN_CROSSING_TRIM ? kn_cross_trim(ctx, crossed, &x) : kn_cross_fit(ctx, crossed, &x);
+    if (way == KN_CROSSING_REFUSE) return KN_OK;
+    bool one_box = x.n[0] == 0 && x.n[1] == 0; // exact, and nothing to cut
+    kn_status status = KN_OK;
+    if (kn_job_is_trimmed(plan, leaf)) status = kn_job_leaf_trim(ctx, &part.trim, &any, plan, leaf);
+    if (status == KN_OK && !any)
+        *crossed = true;
+    else if (status == KN_OK)
+        status = one_box || way == KN_CROSSING_TRIM ? kn_cross_trim(ctx, crossed, &x)
+                                                    : kn_cross_fit(ctx, crossed, &x);
+    kn_trim_clear(ctx, &part.trim);
+    return status;
 }

@@ -64,6 +64,17 @@ static kn_status give_up(kn_ctx *ctx, const kn_job_cell_plan *plan, const kn_job
                    p->patch, name, cell[0], cell[1], s->origin, KN_JOB_MAX_DEPTH);
 }
 
+// What the trim of a tile's surface leaves of it.
+static kn_status add_leaf(kn_ctx *ctx, kn_job_cell_plan *plan, kn_job_leaf *leaf)
+{
+    bool any = true;
+    kn_status status = KN_OK;
+    if (kn_job_is_trimmed(plan, leaf)) status = kn_job_leaf_trim(ctx, &leaf->trim, &any, plan, leaf);
+    if (status == KN_OK && any) status = kn_job_add_leaf(ctx, plan, leaf);
+    kn_trim_clear(ctx, &leaf->trim);
+    return status;
+}
+
 static kn_status plan_rect(kn_ctx *ctx, kn_job_cell_plan *plan, const kn_job_leaf *leaf, const kn_job_place *place);
 
 static kn_status plan_halves(kn_ctx *ctx, kn_job_cell_plan *plan, const kn_job_leaf *leaf, const kn_job_place *place,
@@ -101,7 +112,7 @@ static kn_status plan_rect(kn_ctx *ctx, kn_job_cell_plan *plan, const kn_job_lea
         if (status == KN_OK && plan->pieces.list[index].fits) {
             kn_job_leaf made = *leaf;
             made.piece = index;
-            status = kn_job_add_leaf(ctx, plan, &made);
+            status = add_leaf(ctx, plan, &made);
             done = true;
         }
     }
@@ -132,7 +143,7 @@ static kn_status plan_patch(kn_ctx *ctx, kn_job_cell_plan *plan, int patch, bool
         if (plan->pieces.list[index].fits) {
             leaf.key.whole = true;
             leaf.piece = index;
-            return kn_job_add_leaf(ctx, plan, &leaf);
+            return add_leaf(ctx, plan, &leaf);
         }
     }
     return plan_rect(ctx, plan, &leaf, &place);

@@ -190,7 +190,7 @@ static kn_status cut_curve(kn_ctx *ctx, walk *w, const kn_spline *curve)
     bool turned = s.lo + s.hi < 0.0;
     kn_status status = kn_spline_copy(ctx, &rest, curve);
     if (status == KN_OK && turned) kn_trim_turn(&rest);
-    kn_spline_domain(&rest, 0, &s.lo, &s.hi);
+    if (status == KN_OK) kn_spline_domain(&rest, 0, &s.lo, &s.hi);
     if (status == KN_OK) status = kn_spline_of_bezier(ctx, &f, w->f);
     if (status == KN_OK) status = kn_spline_compose(ctx, &s.f, &f, &rest);
     if (status == KN_OK) status = find_signs(ctx, &s, 0.0);

@@ -65,6 +65,16 @@ typedef struct kn_trim_cut_report {
 KN_API KN_CHECKED kn_status kn_trim_cut(kn_ctx *ctx, kn_trim *below, kn_trim *above, kn_trim_cut_report *report,
                                         const kn_trim *trim, const kn_bezier *f, double tol);
 
+// The part of a region in the box [lo,hi], whose corners become those of [0,1]^2; *any: there is something (else out is
+// empty). An empty trim stays empty: all of it.
+// out:    initialised, overwritten, may be trim. Curves along sides of the box are lines exactly on sides of the square.
+// fails:  as kn_trim_cut; KN_EDOMAIN not 0 <= lo < hi <= 1; out and *any unchanged.
+// error:  the cut is exact but for the rounding of its ends; coordinates within 1e-9 of a side of the box, at ends of
+//         curves, lie on it.
+// cost:   that of kn_trim_cut for each side of the box that is none of the square.
+KN_API KN_CHECKED kn_status kn_trim_restrict(kn_ctx *ctx, kn_trim *out, bool *any, const kn_trim *trim,
+                                             const double lo[2], const double hi[2]);
+
 #ifdef __cplusplus
 }
 #endif

@@ -136,8 +136,172 @@ static void random_cuts(void **state)
     test_ctx_end(ctx, &memory);
 }
 
+// A circle: closed inside, its area, its restrictions to a grid of boxes, which fill it and meet on their sides.
+static void restricted(void **state)
+{
+    (void)state;
+    test_memory memory = TEST_MEMORY_INIT;
+    kn_ctx *ctx = test_ctx(&memory, 1);
+    kn_bezier f = {0};
+    kn_trim whole = {0}, in = {0}, out = {0}, part = {0};
+    kn_trim_cut_report report;
+    bool any;
+    static const double square[3] = {0.25, -0.25, 0.25};
+    assert_int_equal(kn_bezier_init(ctx, &f, 2, 1, false, (int[]){2, 2}), KN_OK);
+    for (int k = 0; k < 9; k++) f.coef[k] = square[k / 3] + square[k % 3] - 0.16;
+    assert_int_equal(kn_trim_cut(ctx, &in, &out, &report, &whole, &f, 1e-4), KN_OK);
+    assert_true(report.below && report.above && in.nloops == 1 && out.nloops == 2);
+    assert_true(fabs(area_of(&in) - 3.14159265358979 * 0.16) < 1e-4 * 2.6); // tol times the circumference
+    for (int n = 1; n <= 4; n++) {
+        double sum = 0.0;
+        for (int i = 0; i < n; i++)
+            for (int j = 0; j < n; j++) {
+                const double lo[2] = {(double)i / n, (double)j / n}, hi[2] = {(i + 1.0) / n, (j + 1.0) / n};
+                assert_int_equal(kn_trim_restrict(ctx, &part, &any, &out, lo, hi), KN_OK);
+                if (!any) continue;
+                assert_int_equal(kn_trim_check(ctx, &part), KN_OK);
+                sum += area_of(&part) / (n * n);
+            }
+        assert_true(fabs(sum - area_of(&out)) < 1e-8); // snapping to sides: 1e-9 times their lengths
+    }
+    // the middle is empty, and a corner is all there
+    assert_int_equal(kn_trim_restrict(ctx, &part, &any, &out, (double[]){0.4, 0.4}, (double[]){0.6, 0.6}), KN_OK);
+    assert_true(!any && part.nloops == 0);
+    assert_int_equal(kn_trim_restrict(ctx, &part, &any, &out, (double[]){0, 0}, (double[]){0.1, 0.1}), KN_OK);
+    assert_true(any && fabs(area_of(&part) - 1.0) < 1e-12);
+    assert_int_equal(kn_trim_restrict(ctx, &part, &any, &whole, (double[]){0, 0}, (double[]){0.1, 0.1}), KN_OK);
+    assert_true(any && part.nloops == 0);
+    assert_int_equal(kn_trim_restrict(ctx, &part, &any, &out, (double[]){0.5, 0}, (double[]){0.5, 1}), KN_EDOMAIN);
+    kn_ctx_clear_error(ctx);
+    kn_trim_clear(ctx, &in), kn_trim_clear(ctx, &out), kn_trim_clear(ctx, &part);
+    kn_bezier_clear(ctx, &f);
+    test_ctx_end(ctx, &memory);
+}
+
+// Two patches that share an edge, run in opposite directions: their cuts meet it in the same points. And a curve turned
+// twice is itself.
+static void neighbours_agree(void **state)
+{
+    (void)state;
+    test_memory memory = TEST_MEMORY_INIT;
+    kn_ctx *ctx = test_ctx(&memory, 1);
+    test_rng rng = test_random(8);
+    int met = 0;
+    for (int trial = 0; trial < test_scale(40); trial++) {
+        kn_bezier f = {0}, g = {0};
+        kn_trim whole = {0}, a[2] = {0}, b[2] = {0};
+        kn_trim_cut_report report;
+        random_function(ctx, &f, &rng, 3, 3);
+        random_function(ctx, &g, &rng, 3, 3);
+        for (int k = 0; k <= 3; k++) g.coef[4 * k] = f.coef[12 + 3 - k]; // g(r, 0) = f(1, 1 - r)
+        assert_int_equal(kn_trim_cut(ctx, &a[0], &a[1], &report, &whole, &f, tol), KN_OK);
+        assert_int_equal(kn_trim_cut(ctx, &b[0], &b[1], &report, &whole, &g, tol), KN_OK);
+        for (int s = 0; s < 2; s++)
+            for (int i = 0; i < a[s].ncurves; i++) {
+                const kn_spline *c = &a[s].curves[i];
+                int n = c->count[0];
+                if (c->coef[0] != 1.0 || c->coef[n] == 0.0 || c->coef[n] == 1.0) continue;
+                bool found = false;
+                for (int j = 0; j < b[s].ncurves; j++)
+                    found = found || (b[s].curves[j].coef[b[s].curves[j].count[0]] == 0.0 &&
+                                      b[s].curves[j].coef[0] == 1.0 - c->coef[n]);
+                assert_true(found);
+                met++;
+                kn_spline copy = {0};
+                assert_int_equal(kn_spline_copy(ctx, &copy, c), KN_OK);
+                kn_trim_turn(&copy);
+                assert_true(copy.coef[0] == c->coef[n - 1] && copy.knots[0][0] == -c->knots[0][n + 1]);
+                kn_trim_turn(&copy);
+                assert_memory_equal(copy.coef, c->coef, 2 * (size_t)n * sizeof(double));
+                kn_spline_clear(ctx, &copy);
+            }
+        for (int k = 0; k < 2; k++) kn_trim_clear(ctx, &a[k]), kn_trim_clear(ctx, &b[k]);
+        kn_bezier_clear(ctx, &f), kn_bezier_clear(ctx, &g);
+    }
+    assert_true(met > 10);
+    test_ctx_end(ctx, &memory);
+}
+
+// Along an edge, through corners, and what cannot be decided or is refused.
+static void borders(void **state)
+{
+    (void)state;
+    test_memory memory = TEST_MEMORY_INIT;
+    kn_ctx *ctx = test_ctx(&memory, 1);
+    kn_trim whole = {0}, a = {0}, b = {0};
+    kn_trim_cut_report report;
+    double edge[4] = {0, 0, 1, 1}, diagonal[4] = {0, 1, -1, 0}, corner[4] = {0, 1, 1, 2}, wrong[4] = {0, NAN, 1, 1};
+    kn_bezier f = {.nvars = 2, .ncomp = 1, .degree = {1, 1}, .coef = edge};
+    assert_int_equal(kn_trim_cut(ctx, &a, &b, &report, &whole, &f, tol), KN_OK); // zero along r = 0: no cut
+    assert_true(report.above && !report.below && a.nloops == 0 && b.nloops == 0);
+    f.coef = diagonal;
+    assert_int_equal(kn_trim_cut(ctx, &a, &b, &report, &whole, &f, tol), KN_OK);
+    assert_true(report.above && report.below && area_of(&a) == 0.5 && area_of(&b) == 0.5);
+    f.coef = corner;
+    assert_int_equal(kn_trim_cut(ctx, &a, &b, &report, &whole, &f, tol), KN_OK);
+    assert_true(report.above && !report.below);
+    f.coef = diagonal; // a region cut where it was cut before
+    assert_int_equal(kn_trim_cut(ctx, &a, &b, &report, &whole, &f, tol), KN_OK);
+    kn_trim again = {0};
+    assert_int_equal(kn_trim_cut(ctx, &again, &b, &report, &a, &f, tol), KN_EUNDECIDED);
+    assert_true(again.nloops == 0 && b.nloops == 1);
+    kn_ctx_clear_error(ctx);
+    f.coef = wrong;
+    assert_int_equal(kn_trim_cut(ctx, &again, &b, &report, &whole, &f, tol), KN_EDOMAIN);
+    f.coef = edge;
+    assert_int_equal(kn_trim_cut(ctx, &again, &b, &report, &whole, &f, 0.0), KN_EDOMAIN);
+    f.nvars = 1;
+    assert_int_equal(kn_trim_cut(ctx, &again, &b, &report, &whole, &f, tol), KN_EDOMAIN);
+    kn_answer answer = KN_YES;
+    assert_int_equal(kn_trim_contains(ctx, &answer, &a, (double[]){NAN, 0}), KN_EDOMAIN);
+    assert_int_equal(kn_trim_contains(ctx, &answer, &whole, (double[]){0.5, 1.5}), KN_OK);
+    assert_int_equal(answer, KN_NO);
+    kn_ctx_clear_error(ctx);
+    // a loop that is open, and one that is numbered wrongly
+    double keep = a.curves[0].coef[0];
+    a.curves[0].coef[0] += 0.125;
+    assert_int_equal(kn_trim_check(ctx, &a), KN_EDOMAIN);
+    a.curves[0].coef[0] = keep;
+    a.loop_end[0]--;
+    assert_int_equal(kn_trim_check(ctx, &a), KN_EDOMAIN);
+    a.loop_end[0]++;
+    for (int k = 0; k < a.ncurves; k++) kn_trim_turn(&a.curves[k]); // each curve alone: not closed
+    assert_int_equal(kn_trim_check(ctx, &a), KN_EDOMAIN);
+    kn_ctx_clear_error(ctx);
+    kn_trim_clear(ctx, &a), kn_trim_clear(ctx, &b);
+    test_ctx_end(ctx, &memory);
+}
+
+static kn_status cut_twice(kn_ctx *ctx, void *user)
+{
+    (void)user;
+    kn_trim whole = {0}, a = {0}, b = {0}, c = {0};
+    kn_trim_cut_report report;
+    bool any;
+    double f[4] = {-0.4, -0.5, 0.6, 0.7}, g[4] = {-0.3, 0.7, -0.5, 0.5};
+    const kn_bezier first = {.nvars = 2, .ncomp = 1, .degree = {1, 1}, .coef = f};
+    const kn_bezier second = {.nvars = 2, .ncomp = 1, .degree = {1, 1}, .coef = g};
+    kn_answer answer;
+    kn_status status = kn_trim_cut(ctx, &a, &b, &report, &whole, &first, 0.05);
+    if (status == KN_OK) status = kn_trim_cut(ctx, &b, &c, &report, &a, &second, 0.05);
+    if (status == KN_OK) status = kn_trim_copy(ctx, &c, &b);
+    if (status == KN_OK) status = kn_trim_check(ctx, &c);
+    if (status == KN_OK) status = kn_trim_contains(ctx, &answer, &c, (double[]){0.1, 0.1});
+    if (status == KN_OK) status = kn_trim_restrict(ctx, &c, &any, &b, (double[]){0, 0}, (double[]){0.25, 1});
+    kn_trim_clear(ctx, &a), kn_trim_clear(ctx, &b), kn_trim_clear(ctx, &c);
+    return status;
+}
+
+static void every_allocation_may_fail(void **state)
+{
+    (void)state;
+    test_allocation_failures(cut_twice, NULL);
+}
+
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(random_cuts)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(random_cuts), cmocka_unit_test(restricted),
+                                       cmocka_unit_test(neighbours_agree), cmocka_unit_test(borders),
+                                       cmocka_unit_test(every_allocation_may_fail)};
     return cmocka_run_group_tests_name("trim/cut", tests, NULL, NULL);
 }
