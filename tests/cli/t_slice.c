@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: Apache-2.0
+// knurl slice: drawings and 3MF files, the report, what is refused.
+#include "tests/cli/command.h"
+
+#include <knurl/knurl.h>
+
+#include <stdio.h>
+#include <string.h>
+
+#if KN_WITH_LIB3MF
+#include "bridges/lib3mf/slices.h"
+#endif
+
+// A tube about z, of radius 1 and height 2.
+static void write_tube(char path[PATH_BYTES])
+{
+    test_memory memory = TEST_MEMORY_INIT;
+    kn_ctx *ctx = test_ctx(&memory, 1);
+    kn_spline s = {0};
+    const double base[3] = {0, 0, 0}, axis[3] = {0, 0, 2};
+    assert_int_equal(kn_construct_cylinder(ctx, &s, base, axis, 1), KN_OK);
+    test_tmp_path(path, "tube.g2");
+    write_g2(path, &s);
+    kn_spline_clear(ctx, &s);
+    test_ctx_end(ctx, &memory);
+}
+
+static const char texture[] = "--tile knurl --count 8,3 --height 0.1 --normal-tol 1e-2 --max-degree 40";
+
+static long long number(const json_t *o, const char *key)
+{
+    json_t *value = json_object_get(o, key);
+    assert_true(json_is_integer(value));
+    return json_integer_value(value);
+}
+
+static void layers(void **state)
+{
+    (void)state;
+    char tube[PATH_BYTES], svg[PATH_BYTES], first[PATH_BYTES], last[PATH_BYTES], more[PATH_BYTES];
+    write_tube(tube);
+    test_tmp_path(svg, "tube.svg");
+    assert_int_equal(run("slice %s %s --layer 0.25 --from 0 --to 2 --json -o %s", tube, texture, svg), 0);
+    json_t *o = printed_json();
+    assert_int_equal(number(o, "layers"), 8);
+    assert_int_equal(number(o, "contours"), 8); // one around the tube in each
+    assert_int_equal(number(o, "open"), 0);
+    assert_true(number(o, "cells_composed") >= 24);
+    json_decref(o);
+    snprintf(first, sizeof first, "%.*s-1.svg", (int)strlen(svg) - 4, svg);
+    snprintf(last, sizeof last, "%.*s-8.svg", (int)strlen(svg) - 4, svg);
+    snprintf(more, sizeof more, "%.*s-9.svg", (int)strlen(svg) - 4, svg);
+    char text[TEXT_BYTES];
+    slurp(first, text);
+    assert_non_null(strstr(text, "<title>z = 0.125 mm</title>"));
+    assert_non_null(strstr(text, "class=\"closed\""));
+    assert_true(exists(last) && !exists(more));
+}
+
+static void three_mf(void **state)
+{
+    (void)state;
+#if KN_WITH_LIB3MF
+    test_memory memory = TEST_MEMORY_INIT;
+    kn_ctx *ctx = test_ctx(&memory, 1);
+    char tube[PATH_BYTES], path[PATH_BYTES];
+    kn_3mf_slices_facts facts;
+    write_tube(tube);
+    test_tmp_path(path, "tube.3mf");
+    assert_int_equal(run("slice %s %s --layer 0.1in --from 0.5 --to 1.5 --unit in -q -o %s", tube, texture, path), 0);
+    assert_string_equal(printed, "");
+    assert_int_equal(kn_3mf_slices_look(ctx, &facts, path), KN_OK);
+    assert_int_equal(facts.slices, 10);
+    assert_int_equal(facts.polygons, 10);
+    assert_true(facts.top > 1.499 * 25.4 && facts.top < 1.501 * 25.4);
+    test_ctx_end(ctx, &memory);
+#else
+    skip();
+#endif
+}
+
+static void refusals(void **state)
+{
+    (void)state;
+    char tube[PATH_BYTES], svg[PATH_BYTES];
+    write_tube(tube);
+    test_tmp_path(svg, "refused.svg");
+    assert_int_equal(run("slice %s %s -o %s", tube, texture, svg), 2);
+    assert_non_null(strstr(complained, "--layer"));
+    assert_int_equal(run("slice %s %s --layer -1 -o %s", tube, texture, svg), 2);
+    assert_int_equal(run("slice %s %s --layer 0.1", tube, texture), 2);
+    assert_int_equal(run("slice %s %s --layer 0.1 -o x.stl", tube, texture), 2);
+    assert_int_equal(run("slice %s --layer 0.1 -o %s", tube, svg), 2);
+    assert_int_equal(run("slice --tile knurl --layer 0.1 -o %s", svg), 2);
+    assert_int_equal(run("slice %s %s --layer 0.1 --from 3 --to 2 -o %s", tube, texture, svg), 3);
+    assert_int_equal(run("slice %s %s --layer 1e-9 -o %s", tube, texture, svg), 3);
+    assert_non_null(strstr(complained, "layers between"));
+    assert_int_equal(run("slice no-such.g2 %s --layer 1 -o %s", texture, svg), 3);
+    assert_int_equal(run("slice %s %s --layer 1 -o /no/such/folder/x.svg", tube, texture), 1);
+    assert_int_equal(run("slice --help"), 0);
+    assert_non_null(strstr(printed, "--layer"));
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {cmocka_unit_test(layers), cmocka_unit_test(three_mf),
+                                       cmocka_unit_test(refusals)};
+    return cmocka_run_group_tests_name("cli/slice", tests, NULL, NULL);
+}
