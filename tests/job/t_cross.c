@@ -302,8 +302,81 @@ static void approximated(void **state)
     test_ctx_end(ctx, &memory);
 }
 
+// A sheet of 2 x 2 Bezier patches, turned, with a round hole, over knot lines: a point of it is in one output patch if
+// the trim has it, and in none if not.
+static void trimmed_tiles(void **state)
+{
+    (void)state;
+    test_memory memory = TEST_MEMORY_INIT;
+    kn_ctx *ctx = test_ctx(&memory, 1);
+    test_rng rng = test_random(9);
+    kn_spline base = {0}, up = {0}, sheet = {0};
+    kn_bezier hole = {0}, d = {0};
+    kn_trim whole = {0}, in = {0}, out = {0};
+    kn_trim_cut_report cut;
+    kn_tile tile = {0};
+    kn_job *job = NULL;
+    keeper k;
+    make_base(ctx, &base, 1, true, &rng);
+    make_up(ctx, &up);
+    const double half = 0.5, square[3] = {0.25, -0.25, 0.25};
+    assert_int_equal(kn_bezier_init(ctx, &hole, 2, 1, false, (int[]){2, 2}), KN_OK);
+    for (int i = 0; i < 9; i++) hole.coef[i] = square[i / 3] + square[i % 3] - 0.09;
+    assert_int_equal(kn_trim_cut(ctx, &in, &out, &cut, &whole, &hole, 1e-3), KN_OK);
+    assert_int_equal(kn_bezier_init(ctx, &d, 2, 3, false, (int[]){1, 1}), KN_OK);
+    const double corners[12] = {0.1, -0.2, 1.1, 0.8, 0.0, 1.0, 0.3, 1.3, 0.2, 0.2, 0.4, 0.4};
+    memcpy(d.coef, corners, sizeof corners);
+    assert_int_equal(kn_spline_of_bezier(ctx, &sheet, &d), KN_OK);
+    for (int v = 0; v < 2; v++) assert_int_equal(kn_spline_insert_knots(ctx, &sheet, &sheet, v, &half, 1), KN_OK);
+    assert_int_equal(kn_tile_init(ctx, &tile, "sheet", 1), KN_OK);
+    assert_int_equal(kn_tile_add_trimmed(ctx, &tile, 0, &sheet, &out), KN_OK);
+    const kn_job_options o = {.count = {2, 3}, .height = 0.2, .direction = &up, .crossing = KN_CROSSING_TRIM};
+    assert_int_equal(kn_job_create(ctx, &job, &base, 1, &tile, &o), KN_OK);
+    run(ctx, &k, job);
+    int inside = 0, outside = 0;
+    for (int trial = 0; trial < 40; trial++) {
+        const double at[2] = {test_uniform(&rng, 0.0, 1.0), test_uniform(&rng, 0.0, 1.0)};
+        kn_answer want, is;
+        double uvw[3], from[3];
+        int times = 0;
+        bool known = true;
+        assert_int_equal(kn_trim_contains(ctx, &want, &out, at), KN_OK);
+        assert_int_equal(kn_bezier_eval(ctx, uvw, &d, at), KN_OK);
+        for (size_t i = 0; i < k.n; i++) { // in cell 1,1: where does the point lie in this patch's D?
+            if (k.list[i].id.cell[0] != 1 || k.list[i].id.cell[1] != 1) continue;
+            kn_bezier part = {0};
+            kn_patch_place place;
+            assert_int_equal(kn_job_source(ctx, &part, &place, job, &k.list[i].id), KN_OK);
+            size_t n = kn_bezier_count(&part); // a parallelogram: two equations
+            assert_int_equal(n, 4);
+            const double *u = part.coef, *v = part.coef + n;
+            double ur = u[2] - u[0], ut = u[1] - u[0], vr = v[2] - v[0], vt = v[1] - v[0], det = ur * vt - ut * vr;
+            double x = uvw[0] + 1 - place.cell[0] - u[0], y = uvw[1] + 1 - place.cell[1] - v[0];
+            const double local[2] = {(x * vt - y * ut) / det, (y * ur - x * vr) / det};
+            kn_bezier_clear(ctx, &part);
+            if (local[0] < 0.0 || local[0] > 1.0 || local[1] < 0.0 || local[1] > 1.0) continue;
+            assert_int_equal(kn_trim_contains(ctx, &is, &k.list[i].trim, local), KN_OK);
+            known = known && is != KN_UNKNOWN;
+            times += is == KN_YES;
+            assert_int_equal(kn_bezier_eval(ctx, from, &k.list[i].b, local), KN_OK);
+        }
+        if (!known || want == KN_UNKNOWN) continue;
+        assert_int_equal(times, want == KN_YES ? 1 : 0);
+        inside += want == KN_YES, outside += want == KN_NO;
+    }
+    assert_true(inside > 5 && outside > 5);
+    keeper_clear(ctx, &k);
+    kn_job_destroy(ctx, job);
+    kn_tile_clear(ctx, &tile);
+    kn_trim_clear(ctx, &in), kn_trim_clear(ctx, &out);
+    kn_bezier_clear(ctx, &hole), kn_bezier_clear(ctx, &d);
+    kn_spline_clear(ctx, &base), kn_spline_clear(ctx, &up), kn_spline_clear(ctx, &sheet);
+    test_ctx_end(ctx, &memory);
+}
+
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(trimmed), cmocka_unit_test(approximated)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(trimmed), cmocka_unit_test(approximated),
+                                       cmocka_unit_test(trimmed_tiles)};
     return cmocka_run_group_tests_name("job/cross", tests, NULL, NULL);
 }
