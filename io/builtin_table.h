@@ -48,7 +48,7 @@
 {.name = "fur",
  .about = "fur: bent hairs, 36 in each cell, each a cone that ends in a point",
  .aspect = 1.0,
- .part = (const part_source[]){{"hair", {{0.3, 0.17, 0.07}, 0.0, 0.5}}},
+ .part = (const part_source[]){{"hair", {{0.5, 0.31, 0.14}, 0.0, 0.5}}},
  .nparts = 1,
  .parameter = (const kn_tile_parameter[]){{"length", 1.0, 0.25, 0.1, 1.0},
                                           {"bend", 0.625, 0.0, 0.0, 1.0}},

@@ -20,9 +20,9 @@ PIXELS = (560, 420)  # of a whole picture
 CROP = (0.215, 0.2, 0.785, 0.72)  # left, top, right, bottom of what is shown
 THUMB = (320, 219)
 COLUMNS, LABEL, GAP = 5, 34, 12
-COUNT = dict(fur=7, chain=4, rope=4, straight=8, knurl=6, brick=4, rivet=5, dimples=6, studs=6, bump=6, thorn=5,
+COUNT = dict(fur=5, chain=4, rope=4, straight=8, knurl=6, brick=4, rivet=5, dimples=6, studs=6, bump=6, thorn=5,
              leather=2, knit=5, basket=4, wicker1=4, wicker2=3, hexagon=4, bubblewrap=4, scale=5)
-SKIN = dict(fur=(0.16, 0.09, 0.04))
+SKIN = dict(fur=(0.26, 0.15, 0.07))
 SHEET = "200 1 0 0\n3 0\n2 2\n0 0 1 1\n2 2\n0 0 1 1\n0 0 0  1 0 0  0 1 0  1 1 0\n"
 
 
