@@ -135,7 +135,7 @@
 {.name = "dimples",
  .about = "a flat sheet with a round dimple in each cell",
  .aspect = 0.1875,
- .part = (const part_source[]){{"sheet", {{0.8, 0.8, 0.78}, 0.0, 0.3}}},
+ .part = (const part_source[]){{"sheet", {{0.1, 0.22, 0.38}, 0.0, 0.35}}},
  .nparts = 1,
  .parameter = (const kn_tile_parameter[]){{"depth", 1.0, 0.25, 0.0, 1.0},
                                           {"radius", 0.4375, 0.25, 0.125, 0.4375}},

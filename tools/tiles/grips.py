@@ -121,7 +121,7 @@ def plate(round_thing, u, v, half):
     return patches
 
 
-@tile("dimples", "a flat sheet with a round dimple in each cell", 0.1875, {"sheet": ((0.80, 0.80, 0.78), 0.0, 0.3)},
+@tile("dimples", "a flat sheet with a round dimple in each cell", 0.1875, {"sheet": ((0.10, 0.22, 0.38), 0.0, 0.35)},
       covering=True, parameters={"depth": (0.25, 0.0, 1.0), "radius": (0.25, 0.125, 0.4375)})
 def dimples(depth=1.0, radius=0.4375):
     """depth is that of the bowl, as part of the height; radius that of its rim."""

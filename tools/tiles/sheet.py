@@ -51,13 +51,14 @@ def description(tile, data):
 
 def draw(knurl, data, work, tile):
     count, source = COUNT.get(tile.name, 4), tile.name
+    samples = "24" if any(m[1] > 0.5 for m in tile.materials.values()) else "12"  # metal mirrors the studio
     if tile.name in SKIN:
         source = os.path.join(work, tile.name + ".json")
         write(source, description(tile, data))
     scene, picture = [os.path.join(work, tile.name + ending) for ending in (".glb", ".png")]
     subprocess.run([knurl, "apply", os.path.join(work, "square.g2"), "--tile", source, "--count", "%d,%d" % (count, count),
                     "--normal-tol", "1e-4", "-q", "-o", scene], check=True)
-    subprocess.run([knurl, "render", scene, "--width", str(PIXELS[0]), "--height", str(PIXELS[1]), "--samples", "8",
+    subprocess.run([knurl, "render", scene, "--width", str(PIXELS[0]), "--height", str(PIXELS[1]), "--samples", samples,
                     "--azimuth", "-25", "--elevation", "48", "-q", "-o", picture], check=True)
 
 
