@@ -222,6 +222,24 @@ bool kn_job_is_clipped(const kn_job *job, int surface, const int cell[2], const 
     return false;
 }
 
+bool kn_job_reaches_over_clip(const kn_job *job, int surface, const int cell[2], const kn_job_patch *patch)
+{
+    const double near = 1e-9;
+    size_t n = kn_bezier_count(&patch->d);
+    for (int d = 0; d < 2; d++) {
+        double lo = INFINITY, hi = -INFINITY;
+        if (job->options.placement.border[d] != KN_BORDER_CLIP || patch->inside) continue;
+        for (size_t i = 0; i < n; i++) {
+            double x = patch->d.coef[(size_t)d * n + i];
+            lo = fmin(lo, x), hi = fmax(hi, x);
+        }
+        int at = cell[d] + patch->offset[d];
+        const kn_job_surface *s = &job->surfaces[surface];
+        if (is_end(s, d, at + (int)floor(lo + near)) || is_end(s, d, at + (int)ceil(hi - near) - 1)) return true;
+    }
+    return false;
+}
+
 kn_job_place kn_job_find_place(const kn_job *job, int surface, const int cell[2], const int offset[2])
 {
     const kn_job_surface *s = &job->surfaces[surface];

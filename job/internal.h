@@ -248,6 +248,8 @@ bool kn_job_turns_over(int edge, const kn_job_partner *partner);
 kn_job_place kn_job_find_place(const kn_job *job, int surface, const int cell[2], const int offset[2]);
 // Whether it lies beyond an end at which tiles are cut off (KN_BORDER_CLIP).
 bool kn_job_is_clipped(const kn_job *job, int surface, const int cell[2], const int offset[2]);
+// Whether a patch that lies in the domain in part reaches over such an end, where it would have to be trimmed.
+bool kn_job_reaches_over_clip(const kn_job *job, int surface, const int cell[2], const kn_job_patch *patch);
 
 // ---- counts.c ----
 // The class of each direction of each surface (2 surface + variable): lines that meet on shared edges.

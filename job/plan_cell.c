@@ -134,6 +134,12 @@ static kn_status plan_patch(kn_ctx *ctx, kn_job_cell_plan *plan, int patch, bool
     kn_job_leaf leaf = {.key = {.patch = patch}, .own = own, .instance = instance, .piece = -1};
     const kn_job_patch *p = kn_job_leaf_patch(plan, &leaf);
     if (kn_job_is_clipped(plan->job, plan->surface, plan->cell, p->offset)) return KN_OK;
+    if (kn_job_reaches_over_clip(plan->job, plan->surface, plan->cell, p))
+        return kn_fail(
+            ctx, KN_EDOMAIN,
+            "job: patch %d of tile part \"%s\" crosses the end of surface %d, and not along a parameter line of "
+            "its own: it cannot be clipped there; take the border extend, or another tile",
+            p->patch, plan->job->tile.parts[p->part].name, plan->job->surfaces[plan->surface].origin);
     kn_job_place place = kn_job_find_place(plan->job, plan->surface, plan->cell, p->offset);
     leaf.key.turn = (uint8_t)place.turn;
     if (p->inside) {

@@ -102,6 +102,37 @@ static bool make_tile(feed *f, kn_tile *tile)
     return status == KN_OK;
 }
 
+static void place_and_select(feed *f, kn_job_options *o)
+{
+    for (int v = 0; v < 2; v++) {
+        o->placement.shift[v] = 0.25 * feed_int(f, 0, 5);
+        o->placement.mirror[v] = feed_byte(f) % 4 == 0;
+        o->placement.border[v] = (kn_job_border)feed_wild(f, 0, 2);
+        o->select.skip[v] = feed_int(f, 0, 3);
+    }
+    o->placement.stagger[feed_byte(f) % 2] = feed_byte(f) % 2 ? 0.5 : 0.0;
+    o->placement.scatter = (kn_job_scatter){.distance = feed_byte(f) % 4 ? 0.0 : 0.3, .seed = feed_byte(f)};
+    o->select.slab = feed_byte(f) % 4 == 0;
+    o->select.slab_z[0] = feed_number(f), o->select.slab_z[1] = feed_number(f);
+}
+
+// What is in a slab is a cell of the job.
+static void ask_slabs(feed *f, const kn_job *job)
+{
+    kn_job_slabs *slabs = NULL;
+    kn_cell_range *ranges = NULL;
+    size_t n = 0;
+    double z[2];
+    if (kn_job_slabs_create(f->ctx, &slabs, job) != KN_OK) return;
+    kn_job_slabs_range(slabs, z);
+    double at = z[0] <= z[1] ? 0.5 * (z[0] + z[1]) : 0.0;
+    if (kn_job_slabs_find(f->ctx, &ranges, &n, slabs, at, at) == KN_OK)
+        for (size_t i = 0; i < n; i++)
+            if (ranges[i].count < 1 || (i > 0 && ranges[i].first <= ranges[i - 1].first)) abort();
+    kn_free(f->ctx, ranges);
+    kn_job_slabs_destroy(f->ctx, slabs);
+}
+
 static void jobs(feed *f, const kn_spline *base)
 {
     kn_tile tile = {0};
@@ -115,6 +146,7 @@ static void jobs(feed *f, const kn_spline *base)
     o.direction = make_field(f, &d, NULL, 3, 0.5);
     o.attraction = make_field(f, &psi, NULL, 3, 0.0);
     o.attraction_power = feed_wild(f, 0, 4);
+    if (feed_byte(f) % 2 == 0) place_and_select(f, &o);
     kn_ctx_clear_error(f->ctx);
     if (make_tile(f, &tile) && kn_job_create(f->ctx, &job, base, 1, &tile, &o) == KN_OK) {
         kn_job_report report = kn_job_describe(job);
@@ -125,6 +157,7 @@ static void jobs(feed *f, const kn_spline *base)
         if (report.patches <= 200 && kn_null_sink(f->ctx, &sink) == KN_OK) {
             feed_any(kn_job_run(f->ctx, job, &sink, 1));
             kn_sink_close(f->ctx, &sink);
+            ask_slabs(f, job);
         }
     }
     kn_job_destroy(f->ctx, job);

@@ -280,6 +280,20 @@ static void what_does_not_meet_is_refused(void **state)
     }
 }
 
+// A patch that crosses the end of the base, turned by 30 degrees, has no parameter line there.
+static void clips_or_refuses(void **state)
+{
+    (void)state;
+    scene s;
+    begin(&s, 1);
+    make_flat(s.ctx, &s.base, 2, 2);
+    scene_diamond(s.ctx, &s.tile);
+    kn_job_options o = {.count = {2, 2}, .height = 1, .placement = {.border = {KN_BORDER_CLIP, KN_BORDER_EXTEND}}};
+    assert_int_equal(kn_job_create(s.ctx, &s.job, &s.base, 1, &s.tile, &o), KN_EDOMAIN);
+    assert_non_null(strstr(kn_ctx_message(s.ctx), "cannot be clipped"));
+    end(&s);
+}
+
 // ---- angles ----
 
 static void any_angle_for_casual_tiles(void **state)
@@ -432,12 +446,10 @@ static void allocation(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(lattices_lie_where_they_should),
-                                       cmocka_unit_test(tilings_close_round_a_torus),
-                                       cmocka_unit_test(what_does_not_meet_is_refused),
-                                       cmocka_unit_test(any_angle_for_casual_tiles),
-                                       cmocka_unit_test(moebius_strips),
-                                       cmocka_unit_test(tiles_go_on_over_a_flipped_seam),
-                                       cmocka_unit_test(allocation)};
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(lattices_lie_where_they_should),  cmocka_unit_test(tilings_close_round_a_torus),
+        cmocka_unit_test(what_does_not_meet_is_refused),   cmocka_unit_test(clips_or_refuses),
+        cmocka_unit_test(any_angle_for_casual_tiles),      cmocka_unit_test(moebius_strips),
+        cmocka_unit_test(tiles_go_on_over_a_flipped_seam), cmocka_unit_test(allocation)};
     return cmocka_run_group_tests_name("job/placement", tests, NULL, NULL);
 }
