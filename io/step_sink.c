@@ -32,8 +32,11 @@ typedef struct step {
     double unit_mm, uncertainty_mm;
     part *parts;
     int nparts;
+    int nslots; // parts in use: those of the tile, and once more for their curves where there are any
     int degree[2];
-    uint64_t patches, first, stride; // patches[k] is numbered from first + k stride
+    uint64_t faces;                  // of a patch, at most
+    uint64_t patches, first, stride; // face f of patches[k] is numbered from first + (k faces + f) stride
+    const char *representation;
 } step;
 
 static kn_status copy_string(kn_ctx *ctx, char **out, const char *string)
@@ -55,15 +58,18 @@ static kn_status flush(kn_ctx *ctx, step *s, kn_text *text)
 
 // ---- begin ----
 
-static kn_status copy_parts(kn_ctx *ctx, step *s, const kn_tile *tile)
+static kn_status copy_parts(kn_ctx *ctx, step *s, const kn_tile *tile, const kn_job_report *report)
 {
-    s->parts = kn_alloc_zero(ctx, (size_t)tile->nparts, sizeof *s->parts);
+    int nslots = report->curves > 0 ? 2 * tile->nparts : tile->nparts;
+    s->parts = kn_alloc_zero(ctx, (size_t)nslots, sizeof *s->parts);
     if (s->parts == NULL) return KN_ENOMEM;
     s->nparts = tile->nparts;
-    for (int i = 0; i < tile->nparts; i++) {
-        memcpy(s->parts[i].name, tile->parts[i].name, sizeof s->parts[i].name);
+    s->nslots = nslots;
+    for (int i = 0; i < nslots; i++) {
+        const kn_tile_part *from = &tile->parts[i % tile->nparts];
+        memcpy(s->parts[i].name, from->name, sizeof s->parts[i].name);
         s->parts[i].name[KN_NAME_BYTES - 1] = '\0';
-        s->parts[i].material = tile->parts[i].material;
+        s->parts[i].material = from->material;
     }
     return KN_OK;
 }
@@ -73,10 +79,18 @@ static kn_status number_patches(kn_ctx *ctx, step *s, const kn_job_report *repor
 {
     s->degree[0] = report->degree[0], s->degree[1] = report->degree[1];
     s->patches = report->patches;
-    s->first = KN_STEP_PARTS + KN_STEP_PART_NUMBERS * (uint64_t)s->nparts;
+    s->first = KN_STEP_PARTS + KN_STEP_PART_NUMBERS * (uint64_t)s->nslots;
+    s->faces = report->volumes > 0 ? 6 : 1;
+    s->representation = report->curves == 0                 ? "MANIFOLD_SURFACE_SHAPE_REPRESENTATION"
+                        : report->curves == report->patches ? "GEOMETRICALLY_BOUNDED_WIREFRAME_SHAPE_REPRESENTATION"
+                                                            : "SHAPE_REPRESENTATION";
+    if (report->meshes > 0)
+        return kn_fail(ctx, KN_EDOMAIN,
+                       "STEP: %zu of the patches are meshes, and faces are spline surfaces: write STL, OBJ or glTF",
+                       report->meshes);
     s->stride = (uint64_t)(s->degree[0] + 1) * (uint64_t)(s->degree[1] + 1) + KN_STEP_FACE_NUMBERS;
     s->stride += kn_step_trim_room(report);
-    if (s->patches <= (INT_MAX - s->first) / s->stride) return KN_OK;
+    if (s->patches <= (INT_MAX - s->first) / s->stride / s->faces) return KN_OK;
     return kn_fail(ctx, KN_ELIMIT, "STEP: %zu patches of degree %d,%d need entity numbers beyond %d", report->patches,
                    s->degree[0], s->degree[1], INT_MAX);
 }
@@ -85,7 +99,7 @@ static kn_status step_begin(kn_ctx *ctx, void *user, const kn_tile *tile, const 
 {
     step *s = user;
     kn_text text = {.ctx = ctx};
-    kn_status status = copy_parts(ctx, s, tile);
+    kn_status status = copy_parts(ctx, s, tile, report);
     if (status == KN_OK) status = number_patches(ctx, s, report);
     if (status == KN_OK) {
         kn_step_put_header(&text, s->product, s->time_stamp, s->uncertainty_mm);
@@ -100,11 +114,38 @@ static kn_status step_begin(kn_ctx *ctx, void *user, const kn_tile *tile, const 
 static kn_status check_patch(kn_ctx *ctx, const step *s, const kn_patch *patch, uint64_t place)
 {
     const kn_bezier *b = &patch->bezier;
-    if (b->nvars == 2 && kn_bezier_dim(b) == 3 && b->degree[0] <= s->degree[0] && b->degree[1] <= s->degree[1] &&
-        patch->id.part >= 0 && patch->id.part < s->nparts && place < s->patches)
+    int most = s->degree[0] < s->degree[1] ? s->degree[0] : s->degree[1];
+    bool fits = b->nvars == 3 ? s->faces == 6 && b->degree[0] <= most && b->degree[1] <= most && b->degree[2] <= most
+                : b->nvars == 2 ? b->degree[0] <= s->degree[0] && b->degree[1] <= s->degree[1]
+                                : b->nvars == 1 && s->nslots > s->nparts && b->degree[0] <= s->degree[0];
+    if (fits && kn_bezier_dim(b) == 3 && patch->id.part >= 0 && patch->id.part < s->nparts && place < s->patches)
         return KN_OK;
     return kn_fail(ctx, KN_EDOMAIN, "STEP: patch %llu is not what the job's report announced",
                    (unsigned long long)place);
+}
+
+// Faces of a volume that lie outside.
+static kn_status put_volume(kn_ctx *ctx, const step *s, kn_text *text, const kn_patch *patch, uint64_t first)
+{
+    kn_status status = KN_OK;
+    for (int k = 0; k < 6 && status == KN_OK; k++) {
+        kn_patch face = {0};
+        if (patch->hidden >> k & 1) continue;
+        status = kn_patch_face(ctx, &face, patch, k);
+        if (status == KN_OK)
+            status = kn_step_put_face(text, &face, s->parts[patch->id.part].name, first + (uint64_t)k * s->stride,
+                                      s->unit_mm);
+        kn_bezier_clear(ctx, &face.bezier);
+    }
+    return status;
+}
+
+static kn_status put_patch(kn_ctx *ctx, const step *s, kn_text *text, const kn_patch *patch, uint64_t place)
+{
+    uint64_t first = s->first + place * s->faces * s->stride;
+    if (patch->bezier.nvars == 1) return kn_step_put_curve(text, patch, first, s->unit_mm);
+    if (patch->bezier.nvars == 3) return put_volume(ctx, s, text, patch, first);
+    return kn_step_put_face(text, patch, s->parts[patch->id.part].name, first, s->unit_mm);
 }
 
 static kn_status step_work(kn_ctx *worker, void *user, const kn_patch_block *block, void **product)
@@ -118,9 +159,7 @@ static kn_status step_work(kn_ctx *worker, void *user, const kn_patch_block *blo
         const kn_patch *patch = &block->patches[i];
         uint64_t place = (uint64_t)block->first + i;
         status = check_patch(worker, s, patch, place);
-        if (status == KN_OK)
-            status = kn_step_put_face(text, patch, s->parts[patch->id.part].name, s->first + place * s->stride,
-                                      s->unit_mm);
+        if (status == KN_OK) status = put_patch(worker, s, text, patch, place);
     }
     if (status != KN_OK) {
         kn_text_clear(text);
@@ -164,6 +203,22 @@ static kn_status add_face(kn_ctx *ctx, part *p, uint64_t face, uint64_t stride)
     return status;
 }
 
+// The faces or the curve of a patch numbered from `first`.
+static kn_status add_patch(kn_ctx *ctx, step *s, const kn_patch *patch, uint64_t first)
+{
+    const kn_bezier *b = &patch->bezier;
+    int slot = b->nvars == 1 ? s->nparts + patch->id.part : patch->id.part;
+    kn_status status = KN_OK;
+    if (b->nvars < 3) return add_face(ctx, &s->parts[slot], kn_step_face(b, first), s->stride);
+    for (int k = 0; k < 6 && status == KN_OK; k++) {
+        if (patch->hidden >> k & 1) continue;
+        kn_bezier face = {.nvars = 2, .degree = {b->degree[k / 2 == 0 ? 1 : 0], b->degree[k / 2 == 2 ? 1 : 2]}};
+        uint64_t number = kn_step_face(&face, first + (uint64_t)k * s->stride);
+        status = add_face(ctx, &s->parts[slot], number, s->stride);
+    }
+    return status;
+}
+
 static void step_discard(kn_ctx *ctx, void *user, void *product)
 {
     (void)user;
@@ -181,8 +236,7 @@ static kn_status step_commit(kn_ctx *ctx, void *user, const kn_patch_block *bloc
     kn_status status = kn_out_write(ctx, s->file, text->data, text->bytes);
     for (size_t i = 0; i < block->count && status == KN_OK; i++) {
         const kn_patch *patch = &block->patches[i];
-        uint64_t face = kn_step_face(&patch->bezier, s->first + ((uint64_t)block->first + i) * s->stride);
-        status = add_face(ctx, &s->parts[patch->id.part], face, s->stride);
+        status = add_patch(ctx, s, patch, s->first + ((uint64_t)block->first + i) * s->faces * s->stride);
     }
     step_discard(ctx, user, product);
     return status;
@@ -194,8 +248,9 @@ static kn_status step_commit(kn_ctx *ctx, void *user, const kn_patch_block *bloc
 static kn_status put_shell(kn_ctx *ctx, step *s, kn_text *text, const part *p, uint64_t first)
 {
     kn_status status = KN_OK;
-    kn_step_put_number(text, first);
-    kn_text_put(text, "OPEN_SHELL(");
+    bool curves = p >= s->parts + s->nparts;
+    kn_step_put_number(text, curves ? first + 1 : first);
+    kn_text_put(text, curves ? "GEOMETRIC_CURVE_SET(" : "OPEN_SHELL(");
     kn_text_step_string(text, p->name);
     kn_text_put(text, ",(");
     for (size_t r = 0; r < p->nruns; r++)
@@ -206,6 +261,7 @@ static kn_status put_shell(kn_ctx *ctx, step *s, kn_text *text, const part *p, u
             if (text->bytes > FLUSH_BYTES) status = flush(ctx, s, text);
         }
     kn_text_put(text, "));\n");
+    if (curves) return status;
     kn_step_put_number(text, first + 1);
     kn_text_put(text, "SHELL_BASED_SURFACE_MODEL(");
     kn_text_step_string(text, p->name);
@@ -225,7 +281,7 @@ static void put_representation(kn_text *text, const step *s, uint64_t representa
     kn_text_put(text, name);
     kn_text_put(text, "('',(");
     if (placement) kn_text_reference(text, KN_STEP_PLACEMENT);
-    for (int i = 0; i < s->nparts; i++) {
+    for (int i = 0; i < (placement ? s->nslots : s->nparts); i++) { // curves have no colour of their own
         if (s->parts[i].nruns == 0) continue;
         if (written) kn_text_comma(text);
         kn_text_reference(text, KN_STEP_PARTS + KN_STEP_PART_NUMBERS * (uint64_t)i + offset);
@@ -243,15 +299,16 @@ static kn_status step_end(kn_ctx *ctx, void *user)
     kn_text text = {.ctx = ctx};
     kn_status status = KN_OK;
     bool any = false;
-    for (int i = 0; i < s->nparts && status == KN_OK; i++) {
+    for (int i = 0; i < s->nslots && status == KN_OK; i++) {
         uint64_t first = KN_STEP_PARTS + KN_STEP_PART_NUMBERS * (uint64_t)i;
         status = end_run(ctx, &s->parts[i]);
         if (status != KN_OK || s->parts[i].nruns == 0) continue;
         status = put_shell(ctx, s, &text, &s->parts[i], first);
+        if (i >= s->nparts) continue;
         kn_step_put_style(&text, &s->parts[i].material, first);
         any = true;
     }
-    put_representation(&text, s, KN_STEP_REPRESENTATION, "MANIFOLD_SURFACE_SHAPE_REPRESENTATION", true, 1);
+    put_representation(&text, s, KN_STEP_REPRESENTATION, s->representation, true, 1);
     if (any)
         put_representation(&text, s, KN_STEP_PRESENTATION, "MECHANICAL_DESIGN_GEOMETRIC_PRESENTATION_REPRESENTATION",
                            false, 2);
@@ -266,7 +323,7 @@ static void step_close(kn_ctx *ctx, void *user)
 {
     step *s = user;
     kn_out_close(ctx, s->file);
-    for (int i = 0; i < s->nparts; i++) kn_free(ctx, s->parts[i].runs);
+    for (int i = 0; i < s->nslots; i++) kn_free(ctx, s->parts[i].runs);
     kn_free(ctx, s->parts);
     kn_free(ctx, s->product);
     kn_free(ctx, s->time_stamp);
@@ -284,7 +341,7 @@ static kn_status step_save(kn_ctx *ctx, void *user, unsigned char **data, size_t
     step *s = user;
     kn_state state = {.ctx = ctx};
     kn_status status = kn_out_save(ctx, s->file, &state);
-    for (int i = 0; i < s->nparts; i++) {
+    for (int i = 0; i < s->nslots; i++) {
         const part *p = &s->parts[i];
         kn_state_put(&state, &p->first, sizeof p->first);
         kn_state_put(&state, &p->count, sizeof p->count);
@@ -312,10 +369,10 @@ static kn_status step_restore(kn_ctx *ctx, void *user, const kn_tile *tile, cons
 {
     step *s = user;
     kn_state_reader r = {data, bytes};
-    kn_status status = copy_parts(ctx, s, tile);
+    kn_status status = copy_parts(ctx, s, tile, report);
     if (status == KN_OK) status = number_patches(ctx, s, report);
     if (status == KN_OK) status = kn_out_restore(ctx, s->file, &r);
-    for (int i = 0; i < s->nparts && status == KN_OK; i++) status = restore_part(ctx, &s->parts[i], &r);
+    for (int i = 0; i < s->nslots && status == KN_OK; i++) status = restore_part(ctx, &s->parts[i], &r);
     return status == KN_OK && r.bytes > 0 ? kn_state_fail(ctx, "STEP") : status;
 }
 

@@ -29,6 +29,9 @@ void kn_step_put_header(kn_text *text, const char *product, const char *time_sta
 // fails: KN_EUNDEFINED (a weight that is not positive, a control point that is not finite), KN_ENOMEM.
 KN_CHECKED kn_status kn_step_put_face(kn_text *text, const kn_patch *patch, const char *part, uint64_t first,
                                       double mm);
+// A curve's points in millimetres, and the curve, which has the number that a face would have (kn_step_face).
+// fails: as kn_step_put_face.
+KN_CHECKED kn_status kn_step_put_curve(kn_text *text, const kn_patch *patch, uint64_t first, double mm);
 // How many control points a patch has, and from this which number its face gets when numbered from `first`.
 uint64_t kn_step_face(const kn_bezier *b, uint64_t first);
 // The colour of the part whose numbers start at `first`.

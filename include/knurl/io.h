@@ -100,6 +100,13 @@ KN_API KN_CHECKED kn_status kn_stl_sink(kn_ctx *ctx, kn_sink *out, const char *p
 // it (path with that ending).
 KN_API KN_CHECKED kn_status kn_obj_sink(kn_ctx *ctx, kn_sink *out, const char *path);
 
+// Keeps patches as splines over [0,1]^n in the job's order, with the bits that they have; reversed surfaces are run
+// through the other way. A base for another job (texture on texture): with a direction, and tiles of low degrees, exact
+// to any depth that KN_MAX_DEGREE allows. *model is the caller's, overwritten when the job has ended, and then a valid
+// model; until then as it was.
+// fails: KN_EDOMAIN meshes, trimmed patches; KN_ENOMEM.
+KN_API KN_CHECKED kn_status kn_collect_sink(kn_ctx *ctx, kn_sink *out, kn_model *model);
+
 // Writes nothing. bytes: of the patches' coefficients as doubles.
 KN_API KN_CHECKED kn_status kn_null_sink(kn_ctx *ctx, kn_sink *out);
 

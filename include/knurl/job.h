@@ -334,6 +334,14 @@ KN_API KN_CHECKED kn_status kn_job_base_sensitivity(kn_ctx *ctx, kn_bezier *out,
 //        then discarded.
 KN_API KN_CHECKED kn_status kn_job_run(kn_ctx *ctx, const kn_job *job, kn_sink *sinks, int nsinks);
 
+// Several layers, each with a base, tile and options of its own, in one run: sinks begin with the parts of all tiles,
+// layer by layer (a name that is there already gets a number), and the layers' reports in one; patches come layer by
+// layer, id.layer and id.part counted over all. fails: as kn_job_run; KN_EDOMAIN njobs < 1.
+KN_API KN_CHECKED kn_status kn_job_run_layers(kn_ctx *ctx, const kn_job *const *jobs, int njobs, kn_sink *sinks,
+                                              int nsinks);
+// What the layers' reports say together: sums, the worst of errors; sizes of the first.
+KN_API kn_job_report kn_job_describe_layers(const kn_job *const *jobs, int njobs);
+
 // How a run is noted so that it can go on after an interruption (io.h: kn_run_with_journal does it with a file).
 typedef struct kn_job_notes {
     void *user;
