@@ -779,14 +779,71 @@ static void strands_do_not_touch(void **state)
     test_ctx_end(ctx, &memory);
 }
 
-// ---- scale ----
-
-enum { STEPS = 24, MAX_SEGMENTS = 3 * 8 * STEPS };
+// ---- knitting ----
 
 static double turn(const double *a, const double *b, const double *c)
 {
     return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
 }
+
+enum { YARN_SPANS = 16, YARN = 8 * YARN_SPANS };
+
+// The middle of the yarn from foot to foot; head and feet, which are modelled a cell away, back in their places. The
+// file's order: half a foot, a leg, the head, a leg, half a foot, of 2, 4, 4, 4, 2 spans with four patches each.
+static void yarn(kn_ctx *ctx, double curve[YARN][3], const loaded *l)
+{
+    for (int k = 0; k < YARN; k++) {
+        int span = k / 8;
+        double at[2] = {(k % 8 + 0.5) / 8.0, 0.0}, p[3], q[3];
+        assert_int_equal(kn_bezier_eval(ctx, p, &l->patch[4 * span], at), KN_OK);
+        assert_int_equal(kn_bezier_eval(ctx, q, &l->patch[4 * span + 2], at), KN_OK);
+        for (int c = 0; c < 3; c++) curve[k][c] = (p[c] + q[c]) / 2.0;
+        curve[k][1] += span < 2 || span >= 14 ? -1.0 : span >= 6 && span < 10 ? 1.0 : 0.0;
+    }
+}
+
+// Whether chord a of the yarn crosses chord b of the next row, seen from above, and how much higher it then is.
+static bool crosses(double *higher, double curve[YARN][3], int a, int b, double shift)
+{
+    const double *p0 = curve[a], *p1 = curve[a + 1];
+    double q0[2] = {curve[b][0] + shift, curve[b][1] + 1.0}, q1[2] = {curve[b + 1][0] + shift, curve[b + 1][1] + 1.0};
+    double s0 = turn(q0, q1, p0), s1 = turn(q0, q1, p1), t0 = turn(p0, p1, q0), t1 = turn(p0, p1, q1);
+    if (s0 * s1 >= 0.0 || t0 * t1 >= 0.0) return false;
+    double s = s0 / (s0 - s1), t = t0 / (t0 - t1);
+    *higher = (1.0 - s) * p0[2] + s * p1[2] - (1.0 - t) * curve[b][2] - t * curve[b + 1][2];
+    return true;
+}
+
+// On its way up a leg the yarn passes over the foot of the next row, under its legs with the head, and down over the
+// foot again: none of the loops can be drawn out of the others.
+static void stitches_hang_in_each_other(void **state)
+{
+    (void)state;
+    test_memory memory = TEST_MEMORY_INIT;
+    kn_ctx *ctx = test_ctx(&memory, 1);
+    loaded l;
+    double curve[YARN][3];
+    char pattern[64] = "";
+    size_t n = 0;
+    load(ctx, &l, "knit");
+    yarn(ctx, curve, &l);
+    for (int a = 0; a + 1 < YARN; a++)
+        for (int b = 0; b + 1 < YARN; b++)
+            for (int shift = -1; shift <= 1; shift++) {
+                double higher = 0.0;
+                if (!crosses(&higher, curve, a, b, shift)) continue;
+                assert_true(fabs(higher) > 0.2 && n + 1 < sizeof pattern);
+                pattern[n++] = higher > 0.0 ? 'o' : 'u';
+            }
+    print_message("# over and under the next row: %s\n", pattern);
+    assert_string_equal(pattern, "ouuo");
+    unload(ctx, &l);
+    test_ctx_end(ctx, &memory);
+}
+
+// ---- scale ----
+
+enum { STEPS = 24, MAX_SEGMENTS = 3 * 8 * STEPS };
 
 // The folded sheet of scales does not cut itself: u = r over each half cell, so that the section at a constant u is a
 // curve in (v, w), here as chords, with its copies one cell before and behind.
@@ -928,6 +985,7 @@ int main(void)
         cmocka_unit_test(links_do_not_touch),
         cmocka_unit_test(links_interlock),
         cmocka_unit_test(strands_do_not_touch),
+        cmocka_unit_test(stitches_hang_in_each_other),
         cmocka_unit_test(scales_do_not_cut_each_other),
         cmocka_unit_test(an_unknown_tile_is_refused),
         cmocka_unit_test(every_allocation_may_fail),

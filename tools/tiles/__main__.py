@@ -4,7 +4,8 @@
 
 The first is the folder of the geometry, <tile>/<part>.g2 and, where a parameter of the tile changes the part,
 <tile>/<part>@<parameter>.g2: the part with the parameter at its target. What is in the folder of a tile and no longer
-belongs there is removed. The second is the table of names, materials and parameters, which io/builtin_tile.c includes.
+belongs there is removed. The second is the table of names, materials and parameters, which io/builtin_tile.c
+includes.
 
 A new tile is a function with @tile above it (base.py); a new module is named there too.
 """
@@ -58,7 +59,8 @@ def row(tile):
 
 def table(tiles):
     return "\n".join(["// SPDX-License-Identifier: Apache-2.0",
-                      "// Made by tools/tiles; do not edit. The rows of io/builtin_tile.c's table.", "// clang-format off",
+                      "// Made by tools/tiles; do not edit. The rows of io/builtin_tile.c's table.",
+                      "// clang-format off",
                       *[row(t) for t in tiles], ""])
 
 

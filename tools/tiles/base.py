@@ -78,8 +78,8 @@ def load():
 
 class Spline:
     """Control points over one, two or three variables, the last fastest; sizes counts them, degree and cyclic say how
-    they are read: integer knots, as smooth as the degree allows, cyclic ones (of degree 1 or 2) without a seam; instead
-    of True, the cells (u, v, 0) by which a round moves."""
+    they are read: integer knots, as smooth as the degree allows, cyclic ones (of degree 1 or 2) without a seam. Instead
+    of True, cyclic may say by which cells, (u, v, 0), a round moves."""
 
     KIND = {1: 100, 2: 200, 3: 700}
 
