@@ -169,9 +169,9 @@ static void bodies_face_outwards(void **state)
         if (!isnan(TILES[i].volume)) assert_true(fabs(volume - TILES[i].volume) < 1e-14);
         if (volume == 0 && !isnan(TILES[i].shadow)) assert_true(sums[1] > 0.005 && sums[1] < 0.98);
         if (strcmp(TILES[i].name, "octet") == 0) {
-            // With r = 1/16, in units of the aspect 5/4: six dodecahedra of 16 r^3, and 28 struts from face to face,
+            // With r = 3/64, in units of the aspect 5/4: six dodecahedra of 16 r^3, and 28 struts from face to face,
             // a face's area 2 sqrt(2) r^2 times its distance from the other one, sqrt(1/2) - 2 sqrt(2) r.
-            const double r = 0.0625;
+            const double r = 0.046875;
             double exact = (6 * 16 * r * r * r + 28 * 2 * sqrt(2) * r * r * (sqrt(0.5) - 2 * sqrt(2) * r)) / 1.25;
             assert_true(fabs(volume - exact) < 2e-3 * exact); // control points are on a grid of 2^-12
         }

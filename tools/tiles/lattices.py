@@ -42,8 +42,8 @@ OCTET_ASPECT = 1.25
 
 
 @tile("octet", "the octet truss as volumes: struts along the diagonals of squares, nodes that fit between them",
-      OCTET_ASPECT, {"node": ((0.75, 0.55, 0.25), 1.0, 0.3), "strut": STEEL}, parameters={"radius": (0.03125, 0.015625, 0.0625)})
-def octet(radius=0.0625):
+      OCTET_ASPECT, {"node": ((0.75, 0.55, 0.25), 1.0, 0.3), "strut": STEEL}, parameters={"radius": (0.0625, 0.015625, 0.0625)})
+def octet(radius=0.046875):
     """Nodes are rhombic dodecahedra with edges (radius, radius, radius), at the lattice's points at the heights 0, 1/2
     and 1; a strut joins the faces of two nodes that look at each other. All of them are parallelepipeds."""
     nodes, struts = [], []
@@ -154,8 +154,8 @@ def patch_value(net, x, y):
     return tuple(sum(a * b * p[c] for a, row in zip(f, net) for b, p in zip(g, row)) for c in range(3))
 
 
-@tile("gyroid", "a sheet like a gyroid: one period of it, fitted; it goes on in u and v, and is cut along its edges above "
-      "and below", GYROID_ASPECT, {"sheet": ((0.05, 0.30, 0.42), 0.0, 0.3)})
+@tile("gyroid", "a sheet like a gyroid, one period of it, that goes on in u and v", GYROID_ASPECT,
+      {"sheet": ((0.05, 0.30, 0.42), 0.0, 0.3)})
 def gyroid():
     """24 patches of SPANS x SPANS pieces. What fitting leaves is checked here: GYROID_ERROR."""
     patches, worst = [], 0.0
