@@ -35,7 +35,7 @@ static kn_status check_loops(kn_ctx *ctx, const kn_trim *trim)
 
 // The integral of x dy along all pieces of a curve, with the degree's own product rule for Bernstein polynomials:
 // B_i^n B_j^(n-1) integrates to C(n,i) C(n-1,j) / C(2n-1,i+j) / 2n.
-static kn_status add_area(kn_ctx *ctx, double *area, const kn_spline *curve)
+kn_status kn_trim_add_area(kn_ctx *ctx, double *area, const kn_spline *curve)
 {
     kn_bezier *pieces = NULL, x = {0}, dy = {0};
     size_t n = 0;
@@ -73,7 +73,8 @@ kn_status kn_trim_check(kn_ctx *ctx, const kn_trim *trim)
                                  "(%.17g, %.17g)",
                                  k, end[0], end[1], next, start[0], start[1]);
         }
-    for (int i = 0; status == KN_OK && i < trim->ncurves; i++) status = add_area(ctx, &area, &trim->curves[i]);
+    for (int i = 0; status == KN_OK && i < trim->ncurves; i++)
+        status = kn_trim_add_area(ctx, &area, &trim->curves[i]);
     if (status == KN_OK && trim->nloops > 0 && !(area > 0.0))
         return kn_fail(ctx, KN_EDOMAIN, "trim: the region has the area %g", area);
     return status;

@@ -139,24 +139,50 @@ static void swap(kn_trim *a, kn_trim *b)
     *b = t;
 }
 
-kn_status kn_trim_cut(kn_ctx *ctx, kn_trim *below, kn_trim *above, kn_trim_cut_report *report, const kn_trim *trim,
-                      const kn_bezier *f, double tol)
+// Both sides with the lines of zeros followed to within tol. *solid: each side has an area, which a part that is thinner
+// than tol may have lost.
+static kn_status cut_within(kn_ctx *ctx, kn_trim side[2], double *residual, bool *solid, const kn_trim *trim,
+                            const kn_bezier *f, const kn_bezier *g, double tol)
 {
-    kn_status status = check(ctx, f, tol);
-    if (status != KN_OK) return status;
     cutting c = {0};
-    kn_bezier g = {0};
-    kn_trim side[2] = {0};
-    kn_trim_cut_report told = {0};
     kn_mark mark = kn_scratch_mark(ctx);
-    status = divide_edges(ctx, &g, f);
-    if (status == KN_OK) status = kn_trim_boundary(ctx, &c.pieces, trim, f, &g);
-    if (status == KN_OK) status = kn_trim_link(ctx, &c.links, &c.pieces, trim, &g, tol);
+    kn_status status = kn_trim_boundary(ctx, &c.pieces, trim, f, g);
+    if (status == KN_OK) status = kn_trim_link(ctx, &c.links, &c.pieces, trim, g, tol);
     if (status == KN_OK) c.done = kn_scratch(ctx, (size_t)c.pieces.n, sizeof *c.done);
     if (status == KN_OK && !c.done) status = KN_ENOMEM;
     if (status == KN_OK) memset(c.done, 0, (size_t)c.pieces.n * sizeof *c.done);
-    for (int k = 0; status == KN_OK && k < 2; k++) status = assemble(ctx, &side[k], &c, k == 0 ? -1 : 1);
-    if (status == KN_OK) status = find_residual(ctx, &told.residual, &c, f);
+    *solid = true;
+    for (int k = 0; status == KN_OK && k < 2; k++) {
+        double area = 0.0;
+        status = assemble(ctx, &side[k], &c, k == 0 ? -1 : 1);
+        for (int i = 0; status == KN_OK && i < side[k].ncurves; i++)
+            status = kn_trim_add_area(ctx, &area, &side[k].curves[i]);
+        *solid = *solid && (side[k].nloops == 0 || area > 0.0);
+    }
+    if (status == KN_OK) status = find_residual(ctx, residual, &c, f);
+    kn_trim_pieces_clear(ctx, &c.pieces);
+    kn_trim_links_clear(ctx, &c.links);
+    kn_scratch_release(ctx, mark);
+    return status;
+}
+
+kn_status kn_trim_cut(kn_ctx *ctx, kn_trim *below, kn_trim *above, kn_trim_cut_report *report, const kn_trim *trim,
+                      const kn_bezier *f, double tol)
+{
+    enum { FINER = 4 };
+    kn_status status = check(ctx, f, tol);
+    if (status != KN_OK) return status;
+    kn_bezier g = {0};
+    kn_trim side[2] = {0};
+    kn_trim_cut_report told = {0};
+    bool solid = false;
+    status = divide_edges(ctx, &g, f);
+    for (int k = 0; status == KN_OK && !solid && k < FINER; k++, tol /= 16.0) {
+        for (int i = 0; i < 2; i++) kn_trim_clear(ctx, &side[i]);
+        status = cut_within(ctx, side, &told.residual, &solid, trim, f, &g, tol);
+    }
+    if (status == KN_OK && !solid)
+        status = kn_fail(ctx, KN_EUNDECIDED, "trim: a part that the cut makes is too thin to have an area");
     told.below = side[0].nloops > 0, told.above = side[1].nloops > 0;
     for (int k = 0; status == KN_OK && k < 2; k++) { // all of it on one side: as it was
         if (k == 0 ? told.above : told.below) continue;
@@ -168,9 +194,6 @@ kn_status kn_trim_cut(kn_ctx *ctx, kn_trim *below, kn_trim *above, kn_trim_cut_r
         *report = told;
     }
     for (int k = 0; k < 2; k++) kn_trim_clear(ctx, &side[k]);
-    kn_trim_pieces_clear(ctx, &c.pieces);
-    kn_trim_links_clear(ctx, &c.links);
     kn_bezier_clear(ctx, &g);
-    kn_scratch_release(ctx, mark);
     return status;
 }

@@ -8,6 +8,10 @@
 // Below this parts of a cut are nothing.
 #define KN_TRIM_SMALL 1e-12
 
+// ---- check.c ----
+// *area += the integral of x dy along the curve.
+kn_status kn_trim_add_area(kn_ctx *ctx, double *area, const kn_spline *curve);
+
 // ---- pieces.c ----
 // First and last point of a curve; NULL: not wanted.
 void kn_trim_ends(const kn_spline *curve, double start[2], double end[2]);

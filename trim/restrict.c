@@ -58,6 +58,7 @@ kn_status kn_trim_restrict(kn_ctx *ctx, kn_trim *out, bool *any, const kn_trim *
 {
     kn_trim rest = {0};
     bool some = true;
+    double area = 0.0;
     for (int c = 0; c < 2; c++)
         if (!(lo[c] >= 0.0 && lo[c] < hi[c] && hi[c] <= 1.0))
             return kn_fail(ctx, KN_EDOMAIN, "trim: the box [%g, %g] in variable %d", lo[c], hi[c], c);
@@ -67,6 +68,9 @@ kn_status kn_trim_restrict(kn_ctx *ctx, kn_trim *out, bool *any, const kn_trim *
         if (status == KN_OK && some && hi[v] < 1.0) status = keep(ctx, &some, &rest, v, hi[v], false);
     }
     for (int k = 0; status == KN_OK && some && k < rest.ncurves; k++) status = move(ctx, &rest.curves[k], lo, hi);
+    for (int k = 0; status == KN_OK && some && k < rest.ncurves; k++)
+        status = kn_trim_add_area(ctx, &area, &rest.curves[k]);
+    some = some && (area > 0.0 || rest.nloops == 0); // what was thinner than that is gone
     if (status == KN_OK) {
         kn_trim old = *out;
         *out = some ? rest : (kn_trim){0};
