@@ -134,10 +134,11 @@ kn_status kn_job_vary_init(kn_ctx *ctx, kn_job *job)
     const kn_job_options *o = &job->options;
     if (!(o->taper >= 0.0) || isinf(o->taper) || o->nvary < 0)
         return kn_fail(ctx, KN_EDOMAIN, "job: taper over %g, %d varied parameters", o->taper, o->nvary);
-    if (o->nvary == 0 && o->taper == 0.0) return KN_OK;
+    kn_status status = kn_job_check_chance(ctx, job);
+    if (status != KN_OK || (o->nvary == 0 && o->taper == 0.0)) return status;
     kn_job_varying *v = job->varying = kn_alloc_zero(ctx, 1, sizeof *v);
     if (!v) return KN_ENOMEM;
-    kn_status status = make_rules(ctx, v, job);
+    status = make_rules(ctx, v, job);
     if (status == KN_OK) status = make_all_moves(ctx, v, job);
     if (status == KN_OK && o->taper > 0.0) status = kn_job_make_taper(ctx, &v->taper, job);
     return status; // what is there belongs to the job
@@ -146,7 +147,8 @@ kn_status kn_job_vary_init(kn_ctx *ctx, kn_job *job)
 kn_status kn_job_vary_instance(kn_ctx *ctx, kn_job_instance *instance, const kn_job *job, int surface,
                                const int cell[2])
 {
-    (void)ctx, (void)surface, (void)cell;
+    (void)ctx;
+    if (kn_job_has_chance(job)) kn_job_change_by_chance(instance, job, surface, cell);
     if (job->varying) instance->plain = false; // its map is there for plain ones too
     return KN_OK;
 }

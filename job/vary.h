@@ -32,6 +32,12 @@ void kn_job_taper_clear(kn_ctx *ctx, kn_job_taper *taper);
 // 0 at open ends, 1 from options->taper away from them, and 3 x^2 - 2 x^3 between.
 double kn_job_taper_at(const kn_job *job, const kn_job_spot *spot);
 
+// ---- chance.c ----
+bool kn_job_has_chance(const kn_job *job);
+kn_status kn_job_check_chance(kn_ctx *ctx, const kn_job *job);
+// options->random for one tile: from the seed and the numbers of its surface, cell and instance alone.
+void kn_job_change_by_chance(kn_job_instance *instance, const kn_job *job, int surface, const int cell[2]);
+
 // ---- vary.c ----
 // What a field changes.
 typedef enum kn_job_effect { KN_EFFECT_PARAMETER, KN_EFFECT_HEIGHT, KN_EFFECT_OFFSET } kn_job_effect;

@@ -340,6 +340,62 @@ static void taper(void **state)
     test_ctx_end(ctx, &memory);
 }
 
+// ---- chance ----
+
+// One square of side 0.2 in the middle of the cell at w = 1, over 8 x 8 cells: what chance did to it is read off D.
+static void chance(void **state)
+{
+    (void)state;
+    test_memory memory = TEST_MEMORY_INIT;
+    kn_ctx *ctx = test_ctx(&memory, 1);
+    const double unit[] = {0, 0, 1, 1}, *units[2] = {unit, unit},
+                 coef[12] = {0.4, 0.4, 0.6, 0.6, 0.4, 0.6, 0.4, 0.6, 1, 1, 1, 1};
+    const int degree[2] = {1, 1}, count[2] = {2, 2};
+    kn_spline base = {0}, square = {0};
+    kn_tile tile = {0};
+    scene_bicubic(ctx, &base, 0);
+    assert_int_equal(kn_spline_init(ctx, &square, 2, 3, false, degree, count, units, coef), KN_OK);
+    assert_int_equal(kn_tile_init(ctx, &tile, "square", 1), KN_OK);
+    assert_int_equal(kn_tile_add(ctx, &tile, 0, &square), KN_OK);
+    kn_job_options o = kn_job_defaults();
+    o.count[0] = o.count[1] = 8;
+    o.height = 0.5, o.offset = 0.1;
+    o.random = (kn_job_random){.seed = 4, .angle = 0.3, .shift = 0.1, .scale = 0.2, .height = 0.4};
+    double least[5] = {9, 9, 9, 9, 9}, most[5] = {-9, -9, -9, -9, -9};
+    for (int round = 0; round < 2; round++) { // the same again
+        kn_job *job = make_job(ctx, &base, 1, &tile, &o);
+        for (int i = 0; i < 64; i++) {
+            const kn_patch_id id = {.cell = {i / 8, i % 8}};
+            kn_patch_place place;
+            kn_bezier d = {0};
+            assert_int_equal(kn_job_source(ctx, &d, &place, job, &id), KN_OK);
+            const double *u = d.coef, *v = u + 4, *w = v + 4, x = u[2] - u[0], y = v[2] - v[0];
+            const double seen[5] = {atan2(y, x), hypot(x, y) / 0.2, (u[0] + u[3]) / 2 - 0.5, (v[0] + v[3]) / 2 - 0.5,
+                                    (w[0] - 0.1) / 0.5};
+            for (int k = 0; k < 5; k++) least[k] = fmin(least[k], seen[k]), most[k] = fmax(most[k], seen[k]);
+            kn_bezier_clear(ctx, &d);
+        }
+        kn_job_destroy(ctx, job);
+    }
+    // 64 draws: within the bounds (and some roundings), and over more than half of them both ways
+    const double middle[5] = {0, 1, 0, 0, 1}, reach[5] = {0.3, 0.2, 0.1, 0.1, 0.4};
+    for (int k = 0; k < 5; k++) {
+        assert_true(least[k] >= middle[k] - reach[k] - 1e-12 && most[k] <= middle[k] + reach[k] + 1e-12);
+        assert_true(least[k] < middle[k] - 0.5 * reach[k] && most[k] > middle[k] + 0.5 * reach[k]);
+    }
+    kn_job *job = NULL;
+    tile.covering = true;
+    assert_int_equal(kn_job_create(ctx, &job, &base, 1, &tile, &o), KN_EDOMAIN);
+    tile.covering = false;
+    o.random.scale = 1;
+    assert_int_equal(kn_job_create(ctx, &job, &base, 1, &tile, &o), KN_EDOMAIN);
+    o.random.scale = 0.2, o.random.angle = -1;
+    assert_int_equal(kn_job_create(ctx, &job, &base, 1, &tile, &o), KN_EDOMAIN);
+    assert_null(job);
+    kn_tile_clear(ctx, &tile), kn_spline_clear(ctx, &square), kn_spline_clear(ctx, &base);
+    test_ctx_end(ctx, &memory);
+}
+
 // ---- failures ----
 
 static void refusals(void **state)
@@ -409,8 +465,17 @@ static void allocation_failures(void **state)
     test_memory memory = TEST_MEMORY_INIT;
     kn_ctx *ctx = test_ctx(&memory, 1);
     scene s = {0};
+    const double knots[] = {0, 0, 1, 1}, *both[2] = {knots, knots}, flat[12] = {0, 0, 1, 1, 0, 1, 0, 1, 1, 1, 1, 1};
+    const int degree[2] = {1, 1}, count[2] = {2, 2};
+    kn_spline sheet = {0};
     scene_bicubic(ctx, &s.base, 0.1);
-    changing_dome(ctx, &s.tile);
+    assert_int_equal(kn_spline_init(ctx, &sheet, 2, 3, false, degree, count, both, flat), KN_OK);
+    assert_int_equal(kn_tile_init(ctx, &s.tile, "sheet", 1), KN_OK);
+    assert_int_equal(kn_tile_add(ctx, &s.tile, 0, &sheet), KN_OK);
+    assert_int_equal(kn_tile_add_parameter(ctx, &s.tile, "lift", 0, 1, 0, 1), KN_OK);
+    for (int i = 8; i < 12; i++) sheet.coef[i] = 0.5;
+    assert_int_equal(kn_tile_set_target(ctx, &s.tile, 0, 0, 0, &sheet), KN_OK);
+    kn_spline_clear(ctx, &sheet);
     test_allocation_failures(job_call, &s);
     kn_tile_clear(ctx, &s.tile), kn_spline_clear(ctx, &s.base);
     test_ctx_end(ctx, &memory);
@@ -422,6 +487,7 @@ int main(void)
                                        cmocka_unit_test(constants),
                                        cmocka_unit_test(teapot),
                                        cmocka_unit_test(taper),
+                                       cmocka_unit_test(chance),
                                        cmocka_unit_test(refusals),
                                        cmocka_unit_test(allocation_failures)};
     return cmocka_run_group_tests_name("job/vary", tests, NULL, NULL);
