@@ -160,7 +160,7 @@
  .nparameters = 2,
  .covering = true},
 {.name = "fishbone",
- .about = "herringbone parquet: eight planks in each cell, twice as long as wide, with rounded edges",
+ .about = "herringbone parquet: eight planks in each cell, twice as long as wide, with round edges",
  .aspect = 0.03125,
  .part = (const part_source[]){{"along", {{0.5, 0.3, 0.13}, 0.0, 0.45}},
                                {"across", {{0.27, 0.13, 0.06}, 0.0, 0.4}}},

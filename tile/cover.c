@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// Whether patches cover a box: the boundary of a sum of patches that are oriented alike winds round a point as often as
-// they cover it, counted with sign, as long as it does not pass through it. Edges that two of them share, run opposite
-// ways, are no boundary. Summed are once all bits as they are oriented, where folds count against each other, and once
-// those that certainly do not fold, turned to face up; of both each connected part for itself, so that one sheet covers
-// a box in which another one ends.
+// Whether patches cover a box: the boundary of a sum of patches that are oriented alike winds round a point as often
+// as they cover it, counted with sign, as long as it does not pass through it. Edges that two of them share, run
+// opposite ways, are no boundary. Summed are once all bits as they are oriented, where folds count against each
+// other, and once those that certainly do not fold, turned to face up; of both each connected part for itself, so
+// that one sheet covers a box in which another one ends.
 #include "tile/cover.h"
 
 #include <float.h>
@@ -39,8 +39,8 @@ void kn_tile_bound(kn_tile_bit *bit, const kn_tile_net *net)
     }
 }
 
-// De Casteljau at 1/2 in place: x becomes the half towards 0, y the other one, n + 1 numbers `step` apart. Whether all
-// means were exact: with the short binary fractions of most tiles they are, and then nothing has to be widened.
+// De Casteljau at 1/2 in place: x becomes the half towards 0, y the other one, n + 1 numbers `step` apart. Whether
+// all means were exact: with the short binary fractions of most tiles they are, and then nothing has to be widened.
 static bool halve(double *x, double *y, int n, size_t step)
 {
     bool exact = true;

@@ -5,8 +5,8 @@
 
 #include "tile/net.h"
 
-// Part [i, i + 1] x [j, j + 1] / 2^level of a piece moved by whole cells. coef: u, then v, in scratch; those of each are
-// wrong by its `error` at most.
+// Part [i, i + 1] x [j, j + 1] / 2^level of a piece moved by whole cells. coef: u, then v, in scratch; those of each
+// are wrong by its `error` at most.
 typedef struct kn_tile_bit {
     int piece, cell[2];
     uint32_t index[2];

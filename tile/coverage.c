@@ -75,8 +75,8 @@ static kn_status signed_area(kn_ctx *ctx, double *out, const kn_bezier *patch)
     return status;
 }
 
-// A connected part of the tiling without open edges, whose patches face alike, covers every point of the plane equally
-// often, counted with sign: as often as its area, over one cell, says.
+// A connected part of the tiling without open edges, whose patches face alike, covers every point of the plane
+// equally often, counted with sign: as often as its area, over one cell, says.
 static kn_status whole_sheet(kn_ctx *ctx, bool *yes, const kn_tile_net *net)
 {
     int n = net->npieces;

@@ -13,8 +13,8 @@ typedef struct faces {
     double tolerance;
 } faces;
 
-// Of variables 0, 1, 2 those that are not var, in order, run round the end 1 of var counterclockwise seen from outside
-// but for var = 1.
+// Of variables 0, 1, 2 those that are not var, in order, run round the end 1 of var counterclockwise seen from
+// outside but for var = 1.
 static kn_status make_face(kn_ctx *ctx, kn_tile_piece *out, const kn_tile_piece *volume, int var, int end)
 {
     const kn_bezier *v = &volume->surface;

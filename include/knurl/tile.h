@@ -176,14 +176,14 @@ typedef struct kn_tile_periodicity_report {
     // -1: an edge in such a line has no mate; 0: C0; 1: tangent planes agree; 2: curvatures too. Where nothing joins,
     // nothing is torn: the highest order that is looked at. [2]: of the joints that there are.
     int order[3];
-    bool decided[3];       // false: the next order may hold, and could be neither proved nor refuted
-    size_t joints[3];      // pairs of edges that are one; across a corner they count for both directions
-    kn_tile_gap first[3];  // where order[] is below the highest and decided: the first place where the next one fails
-    size_t open;           // edges without a mate: none where all parts are closed
+    bool decided[3];      // false: the next order may hold, and could be neither proved nor refuted
+    size_t joints[3];     // pairs of edges that are one; across a corner they count for both directions
+    kn_tile_gap first[3]; // where order[] is below the highest and decided: the first place where the next one fails
+    size_t open;          // edges without a mate: none where all parts are closed
     kn_tile_edge open_edges[KN_TILE_LISTED]; // the first of them
-    size_t crowded;        // edges with several mates; the one that goes on most smoothly counts
-    size_t reversed;       // joints of surfaces that face opposite ways
-    size_t unchecked;      // trimmed surfaces, whose edges are left out
+    size_t crowded;                          // edges with several mates; the one that goes on most smoothly counts
+    size_t reversed;                         // joints of surfaces that face opposite ways
+    size_t unchecked;                        // trimmed surfaces, whose edges are left out
 } kn_tile_periodicity_report;
 
 // Whether the tiling is continuous (definition 5 of the source), and to which order G^k, across each family of lines
@@ -211,15 +211,15 @@ typedef struct kn_tile_rect {
 } kn_tile_rect;
 
 typedef struct kn_tile_coverage_options {
-    double tolerance;  // edges within it are one, as in kn_tile_periodicity_options; cracks up to it do not count
-    int depth;         // boxes of 2^-depth are divided no further, 1 .. 16; default 8
-    size_t max_boxes;  // boxes looked at, at most; default 2^17. The rest stays undecided
+    double tolerance; // edges within it are one, as in kn_tile_periodicity_options; cracks up to it do not count
+    int depth;        // boxes of 2^-depth are divided no further, 1 .. 16; default 8
+    size_t max_boxes; // boxes looked at, at most; default 2^17. The rest stays undecided
 } kn_tile_coverage_options;
 KN_API kn_tile_coverage_options kn_tile_coverage_defaults(void);
 
 typedef struct kn_tile_coverage_report {
     kn_answer covers; // KN_YES: a covering map (definition 3 of the source). KN_NO: a casual one (4): there are gaps
-    double covered, bare; // area of the cell that is certainly covered, certainly not; they sum to 1 less the undecided
+    double covered, bare; // area of the cell that certainly is, certainly is not; they sum to 1 less the undecided
     kn_tile_rect *gaps;   // what is certainly bare: rectangles without common interior, by v and then u
     size_t ngaps;
     size_t boxes; // that were looked at; 0: the whole sheet counted at once

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The built-in floors, lattices and creatures, by what is proved of any tile: that they join, cover, face outwards and
-// turn into each other. tests/io/t_tiles.c has the others.
+// The built-in floors, lattices and creatures, by what is proved of any tile: that they join, cover, face outwards
+// and turn into each other. tests/io/t_tiles.c has the others.
 #include "tests/support/support.h"
 
 #include <float.h>
@@ -199,8 +199,8 @@ static void same(const kn_tile *a, const kn_tile *b)
     }
 }
 
-// flower without bloom is the thorn; birdfish is the bird and becomes the fish. Coordinates are short binary fractions,
-// so that the blend is exact at its ends.
+// flower without bloom is the thorn; birdfish is the bird and becomes the fish. Coordinates are short binary
+// fractions, so that the blend is exact at its ends.
 static void they_turn_into_each_other(void **state)
 {
     (void)state;

@@ -130,7 +130,8 @@ static void rectangles_are_exact(void **state)
     test_ctx_end(ctx, &memory);
 }
 
-// A bilinear square turned by 30 degrees: what is bare lies outside of all its copies, and areas enclose the true one.
+// A bilinear square turned by 30 degrees: what is bare lies outside of all its copies, and areas enclose the true
+// one.
 static void oblique_outlines(void **state)
 {
     (void)state;

@@ -7,12 +7,12 @@ from base import Surface, tile
 OAK, WALNUT = ((0.50, 0.30, 0.13), 0.0, 0.45), ((0.27, 0.13, 0.06), 0.0, 0.4)
 
 
-@tile("fishbone", "herringbone parquet: eight planks in each cell, twice as long as wide, with rounded edges", 0.03125,
+@tile("fishbone", "herringbone parquet: eight planks in each cell, twice as long as wide, with round edges", 0.03125,
       {"along": OAK, "across": WALNUT}, covering=True, parameters={"edge": (0.0625, 0.0078125, 0.09375)})
 def fishbone(edge=0.015625):
-    """edge is the width of the rounding. The cell is a board of 4 x 4 squares; a plank along u covers squares (k, k) and
-    (k + 1, k), one along v (k + 3, k) and (k + 3, k + 1). Each square is modelled for itself: the cell's border passes
-    between squares, not through planks."""
+    """edge is the width of the rounding. The cell is a board of 4 x 4 squares; a plank along u covers squares (k, k)
+    and (k + 1, k), one along v (k + 3, k) and (k + 3, k + 1). Each square is modelled for itself: the cell's border
+    passes between squares, not through planks."""
     parts = {"along": [], "across": []}
     sides = [(0, -1), (1, 0), (0, 1), (-1, 0)]  # below, right, above, left, from corner k to corner k + 1
     corners = [(0, 0), (1, 0), (1, 1), (0, 1)]
@@ -52,9 +52,9 @@ LEATHER = dict(seed=12, spans=20, grains=5)
 @tile("leather", "leather: pebbled grain, a smooth height field from seeded noise", 0.0625,
       {"leather": ((0.20, 0.075, 0.03), 0.0, 0.5)}, covering=True, parameters={"crease": (0.25, 0.125, 1.0)})
 def leather(crease=1.0):
-    """crease is the depth of the creases, as part of the height. One grain lies about a random point in each square of a
-    board of 5 x 5; the height falls where the second nearest grain is hardly farther than the nearest, and carries some
-    value noise. Control points of the C1 quadratic spline that the heights are, periodic in u and v."""
+    """crease is the depth of the creases, as part of the height. One grain lies about a random point in each square
+    of a board of 5 x 5; the height falls where the second nearest grain is hardly farther than the nearest, and
+    carries some value noise. These are the control points of a C1 quadratic spline, periodic in u and v."""
     n, m, seed = LEATHER["spans"], LEATHER["grains"], LEATHER["seed"]
     def height(i, j):
         u, v = (i + 0.5) / n * m, (j + 0.5) / n * m

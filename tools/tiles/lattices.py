@@ -3,7 +3,7 @@
 import itertools
 import math
 
-from base import Surface, Volume, add, q, tile
+from base import Surface, Volume, add, tile
 from grips import plate
 from tubes import cross as times_cross, dot, polygon, sub, times, unit
 
@@ -26,8 +26,8 @@ def cross(width=0.25):
     return {"strut": [v.in_cell(1.0) for v in parts]}
 
 
-# The edges of a rhombic dodecahedron, whose twelve faces look along the struts of the octet truss: with their sum 0 it
-# is four parallelepipeds about its centre, each spanned by three of them.
+# The edges of a rhombic dodecahedron, whose twelve faces look along the struts of the octet truss: with their sum 0
+# it is four parallelepipeds about its centre, each spanned by three of them.
 EDGES = [(1, 1, 1), (1, -1, -1), (-1, 1, -1), (-1, -1, 1)]
 
 
@@ -42,10 +42,11 @@ OCTET_ASPECT = 1.25
 
 
 @tile("octet", "the octet truss as volumes: struts along the diagonals of squares, nodes that fit between them",
-      OCTET_ASPECT, {"node": ((0.75, 0.55, 0.25), 1.0, 0.3), "strut": STEEL}, parameters={"radius": (0.0625, 0.015625, 0.0625)})
+      OCTET_ASPECT, {"node": ((0.75, 0.55, 0.25), 1.0, 0.3), "strut": STEEL},
+      parameters={"radius": (0.0625, 0.015625, 0.0625)})
 def octet(radius=0.046875):
-    """Nodes are rhombic dodecahedra with edges (radius, radius, radius), at the lattice's points at the heights 0, 1/2
-    and 1; a strut joins the faces of two nodes that look at each other. All of them are parallelepipeds."""
+    """Nodes are rhombic dodecahedra with edges (radius, radius, radius), at the lattice's points at the heights 0,
+    1/2 and 1; a strut joins the faces of two nodes that look at each other. All of them are parallelepipeds."""
     nodes, struts = [], []
     edges = [times(radius, e) for e in EDGES]
     for level in range(3):
@@ -80,8 +81,8 @@ def onto_gyroid(p):
 
 
 def gyroid_quads():
-    """The flat points, which lie on multiples of pi/2, are the corners of 24 skew quadrilaterals in a period, six about
-    each: the corners of each, in units of pi/2, counterclockwise seen from where the function is positive."""
+    """The flat points, which lie on multiples of pi/2, are the corners of 24 skew quadrilaterals in a period, six
+    about each: the corners of each, in units of pi/2, counterclockwise seen from where the function is positive."""
     flat = {k: gyroid_value(times(math.pi / 2, k))[1] for k in itertools.product(range(4), repeat=3)
             if abs(gyroid_value(times(math.pi / 2, k))[0]) < 1e-9}
     def around(k):  # the neighbours of k, diagonals of cubes that are not its normal, counterclockwise
@@ -134,8 +135,8 @@ GYROID_ERROR = 2.5e-3  # of the cell: the farthest that samples of the patches a
 
 
 def gyroid_patch(corners):
-    """SPANS x SPANS biquadratic pieces, C1, through points of the gyroid beside the bilinear patch of the corners. Those
-    on an edge depend on its ends alone."""
+    """SPANS x SPANS biquadratic pieces, C1, through points of the gyroid beside the bilinear patch of the corners.
+    Those on an edge depend on its ends alone."""
     a, b, c, d = [times(math.pi / 2, k) for k in corners]
     net = []
     for s in SITES:
@@ -175,10 +176,11 @@ def gyroid():
 @tile("frame", "a sheet of some thickness with a round window in each cell, the same from above and below", 0.125,
       {"frame": ((0.72, 0.16, 0.06), 0.0, 0.35)}, parameters={"window": (0.125, 0.0625, 0.40625)})
 def frame(window=0.3125):
-    """window is the radius of the hole. Top and bottom go on in the next cells; w = 1/2 is the middle, about which the
-    tile is its own mirror image: a strip of it may be closed with half a twist."""
+    """window is the radius of the hole. Top and bottom go on in the next cells; w = 1/2 is the middle, about which
+    the tile is its own mirror image: a strip of it may be closed with half a twist."""
     ring = lambda r, w: [(0.5 + x, 0.5 + y, w) for x, y in polygon(8, r)]
-    wall = Surface(zip(*[ring(r, w) for r, w in ((window + 0.0625, 1), (window, 1), (window, 0), (window + 0.0625, 0))]),
+    rim = window + 0.0625
+    wall = Surface(zip(*[ring(r, w) for r, w in ((rim, 1), (window, 1), (window, 0), (rim, 0))]),
                    cyclic=(True, False)).in_cell(1.0)
     top = plate(wall, 0.5, 0.5, 0.5)
     bottom = [s.map(lambda p: (p[0], p[1], 1 - p[2])).reversed() for s in top]
