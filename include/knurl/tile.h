@@ -189,15 +189,16 @@ typedef struct kn_tile_periodicity_report {
 // Whether the tiling is continuous (definition 5 of the source), and to which order G^k, across each family of lines
 // between cells and inside. Two edges are one when their control points, raised to one degree and moved by whole
 // cells, agree within the tolerance, run alike or the other way. Edges are those of surfaces' Bezier pieces, of faces
-// of volumes that no other face meets, of triangles, and the ends of curves; edges that are a point need no mate. An
-// edge without a mate breaks continuity when it, or a curve's end, lies in a line between cells: the tile was cut
-// there. Others are open edges of a tile that stands alone, or reaches over its neighbours. A joint is G1 when det(T,
-// A, B) = 0 for all of the edge, T its tangent, A and B the derivatives across it, and A and B lie on one side of T;
-// G2 when, moreover, the normal curvature along B is the same on both sides. in:     tile: as kn_tile_check wants it,
-// at its parameters' values (targets are not looked at); tolerances > 0
+// of volumes that no other face meets (kn_tile_cover_faces), of triangles, and the ends of curves; edges that are a
+// point need no mate. An edge without a mate breaks continuity when it, or a curve's end, lies in a line between
+// cells: the tile was cut there. Others are open edges of a tile that stands alone, or reaches over its neighbours.
+// A joint is G1 when det(T, A, B) = 0 for all of the edge, T its tangent, A and B the derivatives across it, and A
+// and B lie on one side of T; G2 when, moreover, the normal curvature along B is the same on both sides.
+// in:     tile: as kn_tile_check wants it, at its parameters' values (targets are not looked at); tolerances > 0
 //         or 0 for the default.
 // out:    overwritten.
-// fails:  KN_EDOMAIN the tile, the options; KN_ELIMIT more than 2^29 edges; KN_ENOMEM, KN_ECANCELLED.
+// fails:  KN_EDOMAIN the tile, the options; KN_ELIMIT more than 2^29 edges, or a great many in one place;
+//         KN_ENOMEM, KN_ECANCELLED. report unchanged.
 // error:  orders are certified: what is within the tolerance by its coefficients is so, rounding included, for every
 //         parameter. Numbers of a kn_tile_gap are estimates.
 // cost:   a hash of all edges, and for each joint products of degrees 3 n and 7 n, n those of the pieces.
@@ -230,9 +231,8 @@ KN_API void kn_tile_coverage_clear(kn_ctx *ctx, kn_tile_coverage_report *report)
 // not at all, a trimmed surface not at all (it may be bare where it covers).
 // in:     as kn_tile_periodicity.
 // out:    overwritten, not cleared: kn_tile_coverage_clear.
-// fails:  KN_EDOMAIN the tile, the options; KN_ELIMIT as kn_tile_periodicity, or pieces that reach over more than
-// 2^20
-//         cells together; KN_ENOMEM, KN_ECANCELLED. out unchanged.
+// fails:  KN_EDOMAIN the tile, the options; KN_ELIMIT as kn_tile_periodicity, or pieces that reach over more
+//         than 2^20 cells together; KN_ENOMEM, KN_ECANCELLED. out unchanged.
 // error:  none in what is said to be covered (but for cracks within the tolerance) or bare, rounding included.
 //         Undecided remain boxes along the outlines of gaps that are no lines u or v = k 2^-depth, and where only
 //         patches that stand upright or meet in an outline cover.
