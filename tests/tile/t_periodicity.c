@@ -354,6 +354,26 @@ static void failures(void **state)
     test_ctx_end(ctx, &memory);
 }
 
+// Eight hundred triangles in one place: comparing all with all is refused.
+static void a_heap_of_edges(void **state)
+{
+    (void)state;
+    test_memory memory = TEST_MEMORY_INIT;
+    kn_ctx *ctx = test_ctx(&memory, 1);
+    double position[9] = {0, 0, 0, 0.5, 0, 0, 0, 0.5, 0};
+    uint32_t triangle[2400];
+    for (uint32_t k = 0; k < 2400; k++) triangle[k] = k % 3;
+    kn_tile tile;
+    kn_tile_periodicity_report r = {.open = 77};
+    assert_int_equal(kn_tile_init(ctx, &tile, "heap", 1), KN_OK);
+    tile.parts[0].mesh = (kn_mesh){.nvertices = 3, .ntriangles = 800, .position = position, .triangle = triangle};
+    assert_int_equal(kn_tile_periodicity(ctx, &r, &tile, NULL), KN_ELIMIT);
+    assert_int_equal(r.open, 77);
+    tile.parts[0].mesh = (kn_mesh){0};
+    kn_tile_clear(ctx, &tile);
+    test_ctx_end(ctx, &memory);
+}
+
 static int stop(void *user, const char *stage, double fraction)
 {
     (void)user, (void)stage, (void)fraction;
@@ -409,6 +429,7 @@ int main(void)
         cmocka_unit_test(volumes),
         cmocka_unit_test(meshes),
         cmocka_unit_test(failures),
+        cmocka_unit_test(a_heap_of_edges),
         cmocka_unit_test(cancelled),
         cmocka_unit_test(every_allocation_may_fail),
     };
