@@ -301,6 +301,7 @@ int cli_check_tile(cli_session *session, const kn_tile *tile, bool json);
 
 // ---- commands: argv[0] is the command's name ----
 int cli_command_apply(int argc, char **argv);
+int cli_command_animate(int argc, char **argv);
 int cli_command_tiles(int argc, char **argv);
 int cli_command_info(int argc, char **argv);
 int cli_command_eval(int argc, char **argv);

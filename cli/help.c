@@ -23,6 +23,7 @@ static const char overview[] =
     "  info     say what is in a file\n"
     "  eval     evaluate a spline, or the shell over a surface\n"
     "  render   make a picture\n"
+    "  animate  a texture that changes with time\n"
     "\n"
     "'knurl COMMAND --help' says more; 'knurl --version' says which this is.\n"
     "exit: 0 ok, 1 failure, 2 usage, 3 bad input, 4 a check failed, 5 cancelled\n";
@@ -163,12 +164,26 @@ static const char render[] = "knurl render IN -o OUT.png\n"
                              "  -j, --threads N            the picture does not depend on it\n"
                              "  -q, --quiet                no progress\n";
 
+static const char animate[] =
+    "knurl animate BASE|RECIPE --tile TILE --vary NAME=VALUE .. -o OUT.glb|OUT.png|OUT.mp4\n"
+    "\n"
+    "  knurl animate vase.g2 --tile thorn --count 12,8 --vary 'bend=0.8*sin(6.28*{t}+3*z)' -o wind.glb\n"
+    "  knurl animate vase.g2 --tile scale --count 12,8 --vary 'lift={t}' --frames 50 -o film.mp4\n"
+    "\n"
+    "{t} in a value of --vary is time, from 0 to 1. A glTF file has morph targets, a .png one picture a frame\n"
+    "(OUT-0001.png ..), a .mp4 those and a video of them by ffmpeg. Options of textures are those of apply.\n"
+    "\n"
+    "      --frames N             (default 25)\n"
+    "      --seconds S            how long it is (default 2)\n"
+    "      --picture-width N --picture-height N   pixels (default 800 x 600)\n"
+    "      --samples N --azimuth DEG --elevation DEG   as for render\n";
+
 int cli_help(FILE *to, const char *command)
 {
     static const struct {
         const char *name, *text;
-    } texts[] = {{"apply", apply}, {"check", check}, {"slice", slice},  {"tiles", tiles},
-                 {"info", info},   {"eval", eval},   {"render", render}};
+    } texts[] = {{"apply", apply}, {"check", check}, {"slice", slice},   {"tiles", tiles},
+                 {"info", info},   {"eval", eval},   {"render", render}, {"animate", animate}};
     if (!command) return fputs(overview, to) < 0 ? EXIT_FAILED : EXIT_OK;
     for (size_t i = 0; i < sizeof texts / sizeof *texts; i++)
         if (strcmp(command, texts[i].name) == 0) return fputs(texts[i].text, to) < 0 ? EXIT_FAILED : EXIT_OK;

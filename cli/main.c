@@ -13,9 +13,9 @@ typedef struct command {
 } command;
 
 static const command commands[] = {
-    {"apply", cli_command_apply}, {"tiles", cli_command_tiles},   {"info", cli_command_info},
-    {"eval", cli_command_eval},   {"render", cli_command_render}, {"check", cli_command_check},
-    {"slice", cli_command_slice},
+    {"apply", cli_command_apply}, {"tiles", cli_command_tiles},     {"info", cli_command_info},
+    {"eval", cli_command_eval},   {"render", cli_command_render},   {"check", cli_command_check},
+    {"slice", cli_command_slice}, {"animate", cli_command_animate},
 };
 enum { NCOMMANDS = sizeof commands / sizeof *commands };
 

@@ -33,10 +33,18 @@ KN_API KN_CHECKED kn_status kn_gltf_sink(kn_ctx *ctx, kn_sink *out, const char *
 // Writes the items of a scene in length units, z upwards, as a file like the sink's: a mesh and a material each, with
 // the colours of vertices as COLOR_0.
 // in:    every mesh has normals.
-// fails: KN_EDOMAIN another ending, unit_mm, no normals, an index out of range, beyond float32; KN_ELIMIT; KN_EIO, also
+// fails: KN_EDOMAIN another ending, unit_mm, no normals, an index out of range, beyond float32; KN_ELIMIT; KN_EIO,
+// also
 //        when extras is no JSON; KN_ENOMEM. Nothing is left behind.
 KN_API KN_CHECKED kn_status kn_gltf_write(kn_ctx *ctx, const char *path, const kn_scene *scene,
                                           const kn_gltf_options *options);
+
+// The same of meshes that move: the first frame as it is, and each later one as a morph target of it, with an
+// animation "time" of their weights, frame after frame at equal steps over so many seconds. in:    nframes >= 1
+// scenes with as many items, whose meshes have the same triangles; seconds > 0. fails: as kn_gltf_write, and
+// KN_EDOMAIN for what differs.
+KN_API KN_CHECKED kn_status kn_gltf_write_frames(kn_ctx *ctx, const char *path, const kn_scene *frames, int nframes,
+                                                 double seconds, const kn_gltf_options *options);
 
 // The triangles of the default scene (or of all nodes) of a .glb or .gltf file, told apart by content: one item for
 // each primitive of each node, in metres, y upwards, node transforms applied. Strips and fans become triangles;

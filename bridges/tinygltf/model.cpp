@@ -96,6 +96,50 @@ int add_indices(tinygltf::Model *model, const chunk *c)
     return add_accessor(model, TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT, TINYGLTF_TYPE_SCALAR, 0, n);
 }
 
+// Views and accessors of a part's morph targets.
+void add_targets(tinygltf::Model *model, tinygltf::Primitive *primitive, const part *p)
+{
+    size_t n = p->mesh.nvertices;
+    for (size_t k = 0; k < p->ntargets; k++) {
+        const float *moves = p->targets + 6 * n * k;
+        add_view(model, moves, 24 * n, 24, TINYGLTF_TARGET_ARRAY_BUFFER);
+        std::map<std::string, int> target;
+        int position = add_accessor(model, TINYGLTF_COMPONENT_TYPE_FLOAT, TINYGLTF_TYPE_VEC3, 0, n);
+        set_range(&model->accessors[static_cast<size_t>(position)], moves, n);
+        target["POSITION"] = position;
+        target["NORMAL"] = add_accessor(model, TINYGLTF_COMPONENT_TYPE_FLOAT, TINYGLTF_TYPE_VEC3, 12, n);
+        primitive->targets.push_back(target);
+    }
+}
+
+// One time after another each target alone counts: the first time is that of the mesh as it is.
+void add_animation(tinygltf::Model *model, size_t ntargets, double seconds)
+{
+    std::vector<float> times(ntargets + 1), weights((ntargets + 1) * ntargets, 0.0f);
+    for (size_t k = 0; k <= ntargets; k++) {
+        times[k] = static_cast<float>(seconds * static_cast<double>(k) / static_cast<double>(ntargets));
+        if (k > 0) weights[k * ntargets + k - 1] = 1.0f;
+    }
+    add_view(model, times.data(), 4 * times.size(), 0, 0);
+    int input = add_accessor(model, TINYGLTF_COMPONENT_TYPE_FLOAT, TINYGLTF_TYPE_SCALAR, 0, times.size());
+    tinygltf::Accessor *a = &model->accessors[static_cast<size_t>(input)];
+    a->minValues.push_back(0.0), a->maxValues.push_back(static_cast<double>(times.back()));
+    add_view(model, weights.data(), 4 * weights.size(), 0, 0);
+    int output = add_accessor(model, TINYGLTF_COMPONENT_TYPE_FLOAT, TINYGLTF_TYPE_SCALAR, 0, weights.size());
+    tinygltf::Animation animation;
+    animation.name = "time";
+    tinygltf::AnimationSampler sampler;
+    sampler.input = input, sampler.output = output, sampler.interpolation = "LINEAR";
+    animation.samplers.push_back(sampler);
+    for (size_t i = 0; i < model->nodes.size(); i++) {
+        if (model->nodes[i].mesh < 0) continue;
+        tinygltf::AnimationChannel channel;
+        channel.sampler = 0, channel.target_node = static_cast<int>(i), channel.target_path = "weights";
+        animation.channels.push_back(channel);
+    }
+    model->animations.push_back(animation);
+}
+
 void add_part(tinygltf::Model *model, const part *p)
 {
     const chunk *c = &p->mesh;
@@ -116,8 +160,11 @@ void add_part(tinygltf::Model *model, const part *p)
     primitive.indices = add_indices(model, c);
     primitive.material = add_material(model, p);
 
+    add_targets(model, &primitive, p);
+
     tinygltf::Mesh mesh;
     mesh.name = p->name;
+    mesh.weights.assign(p->ntargets, 0.0);
     mesh.primitives.push_back(primitive);
     tinygltf::Node node;
     node.name = p->name;
@@ -179,9 +226,10 @@ class out_buffer : public std::streambuf
 
 kn_status write_model(kn_ctx *ctx, kn_out_file *file, const file_options *o, part *parts, int nparts)
 {
-    size_t total = 0;
+    size_t total = 0, ntargets = 0;
     for (int i = 0; i < nparts; i++)
-        total += (parts[i].mesh.color ? 36 : 24) * parts[i].mesh.nvertices + 12 * parts[i].mesh.ntriangles + 4;
+        total += ((parts[i].mesh.color ? 36 : 24) + 24 * parts[i].ntargets) * parts[i].mesh.nvertices +
+                 12 * parts[i].mesh.ntriangles + 4;
     if (total > UINT32_MAX - (1u << 20)) // leaves room for the JSON: the lengths in a .glb have 32 bits
         return kn_fail(ctx, KN_ELIMIT, "gltf: %zu bytes of mesh, more than a glTF file holds", total);
     tinygltf::Model model;
@@ -190,8 +238,10 @@ kn_status write_model(kn_ctx *ctx, kn_out_file *file, const file_options *o, par
         if (parts[i].mesh.ntriangles == 0) continue; // an accessor must not be empty
         if (model.buffers.empty()) model.buffers.emplace_back(), model.buffers[0].data.reserve(total);
         add_part(&model, parts + i);
+        ntargets = parts[i].ntargets;
         clear_chunk(ctx, &parts[i].mesh);
     }
+    if (ntargets > 0) add_animation(&model, ntargets, o->seconds);
     out_buffer buffer(ctx, file);
     std::ostream stream(&buffer);
     tinygltf::TinyGLTF writer;

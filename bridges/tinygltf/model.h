@@ -24,6 +24,8 @@ struct part {
     char name[KN_NAME_BYTES];
     kn_material material;
     chunk mesh;
+    float *targets; // ntargets morph targets: differences of position and normal, 6 floats a vertex; NULL: none
+    size_t ntargets;
 };
 
 // Everything but the meshes that a file has. extras: a JSON object for the asset, or NULL.
@@ -31,6 +33,7 @@ struct file_options {
     const char *name, *extras;
     double unit_mm;
     bool binary;
+    double seconds; // of an animation of the parts' morph targets, one after the other
 };
 
 void clear_chunk(kn_ctx *ctx, chunk *c);

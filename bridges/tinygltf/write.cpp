@@ -151,7 +151,7 @@ kn_status commit(kn_ctx *ctx, void *user, const kn_patch_block *, void *user_pro
 kn_status end(kn_ctx *ctx, void *user)
 {
     sink *s = static_cast<sink *>(user);
-    const file_options o = {s->name, nullptr, s->unit_mm, s->binary};
+    const file_options o = {s->name, nullptr, s->unit_mm, s->binary, 0.0};
     return write_file(ctx, s->file, &o, s->parts, s->nparts);
 }
 

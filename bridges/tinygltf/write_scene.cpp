@@ -39,23 +39,72 @@ kn_status fill(kn_ctx *ctx, part *out, const kn_scene_item *item, int index)
     return status;
 }
 
+// The morph targets of item `index`: what each later frame's vertices differ by from the first frame's.
+kn_status fill_targets(kn_ctx *ctx, part *out, const kn_scene *frames, int nframes, int index)
+{
+    const kn_mesh &base = frames[0].items[index].mesh;
+    size_t n = base.nvertices;
+    out->ntargets = static_cast<size_t>(nframes) - 1;
+    if (n == 0 || nframes == 1) return KN_OK;
+    out->targets = static_cast<float *>(kn_alloc(ctx, 6 * n * out->ntargets, sizeof(float)));
+    if (!out->targets) return KN_ENOMEM;
+    kn_status status = KN_OK;
+    for (int f = 1; f < nframes; f++) {
+        const kn_mesh &m = frames[f].items[index].mesh;
+        if (m.nvertices != n || m.ntriangles != base.ntriangles || !m.normal ||
+            memcmp(m.triangle, base.triangle, 3 * m.ntriangles * sizeof *m.triangle) != 0)
+            return kn_fail(ctx, KN_EDOMAIN, "gltf: mesh %d has other triangles in frame %d than in the first", index,
+                           f);
+        float *to = out->targets + 6 * n * (static_cast<size_t>(f) - 1);
+        for (size_t i = 0; i < n && status == KN_OK; i++) {
+            double move[6];
+            for (size_t c = 0; c < 3; c++) {
+                move[c] = m.position[3 * i + c] - base.position[3 * i + c];
+                move[3 + c] = m.normal[3 * i + c] - base.normal[3 * i + c];
+            }
+            status = to_float(ctx, to + 6 * i, move);
+            if (status == KN_OK) status = to_float(ctx, to + 6 * i + 3, move + 3);
+        }
+    }
+    return status;
+}
+
 } // namespace
 
 kn_status kn_gltf_write(kn_ctx *ctx, const char *path, const kn_scene *scene, const kn_gltf_options *options)
 {
+    return kn_gltf_write_frames(ctx, path, scene, 1, 1.0, options);
+}
+
+kn_status kn_gltf_write_frames(kn_ctx *ctx, const char *path, const kn_scene *frames, int nframes, double seconds,
+                               const kn_gltf_options *options)
+{
     kn_gltf_options o = options ? *options : kn_gltf_defaults();
-    file_options file = {o.name ? o.name : "knurl", o.extras, 0.0, false};
+    file_options file = {o.name ? o.name : "knurl", o.extras, 0.0, false, seconds};
     kn_status status = check_file(ctx, path, &file.binary, &o.unit_mm);
     file.unit_mm = o.unit_mm;
+    if (status == KN_OK && (nframes < 1 || !(seconds > 0.0)))
+        status = kn_fail(ctx, KN_EDOMAIN, "gltf: %d frames in %g seconds", nframes, seconds);
+    for (int f = 1; f < nframes && status == KN_OK; f++)
+        if (frames[f].nitems != frames[0].nitems)
+            status = kn_fail(ctx, KN_EDOMAIN, "gltf: frame %d has %d meshes, the first %d", f, frames[f].nitems,
+                             frames[0].nitems);
     if (status != KN_OK) return status;
-    part *parts = static_cast<part *>(kn_alloc_zero(ctx, static_cast<size_t>(scene->nitems) + 1, sizeof *parts));
+    int n = frames[0].nitems;
+    part *parts = static_cast<part *>(kn_alloc_zero(ctx, static_cast<size_t>(n) + 1, sizeof *parts));
     kn_out_file *out = nullptr;
     if (!parts) status = KN_ENOMEM;
-    for (int i = 0; i < scene->nitems && status == KN_OK; i++) status = fill(ctx, parts + i, scene->items + i, i);
+    for (int i = 0; i < n && status == KN_OK; i++) {
+        status = fill(ctx, parts + i, frames[0].items + i, i);
+        if (status == KN_OK) status = fill_targets(ctx, parts + i, frames, nframes, i);
+    }
     if (status == KN_OK) status = kn_out_open(ctx, &out, path);
-    if (status == KN_OK) status = write_file(ctx, out, &file, parts, scene->nitems);
+    if (status == KN_OK) status = write_file(ctx, out, &file, parts, n);
     kn_out_close(ctx, out);
-    for (int i = 0; i < scene->nitems && parts; i++) clear_chunk(ctx, &parts[i].mesh);
+    for (int i = 0; i < n && parts; i++) {
+        clear_chunk(ctx, &parts[i].mesh);
+        kn_free(ctx, parts[i].targets);
+    }
     kn_free(ctx, parts);
     return status;
 }

@@ -112,7 +112,9 @@ typedef enum kn_job_drop {
 // The value of a tile's parameter, or of a change that every tile can have, over the base. Control points are taken at
 // the places that they have in the unvaried tile, so that tiles which meet there still do.
 typedef struct kn_job_vary {
-    const char *parameter; // of the tile; or "height" (factor), "offset" (added, length units): every tile has these
+    // Of the tile; or "height" (factor), "offset" (added, length units), which every tile has where it has no parameter
+    // of that name.
+    const char *parameter;
     kn_field field;
 } kn_job_vary;
 
