@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 // knurl apply: a tile over a base, composed and written.
-#include "cli/cli.h"
+#include "cli/plan.h"
 
-enum { DRY_RUN = CLI_JOB_OPTIONS, SYMBOLIC, OUTPUT, HELP, END };
+#include <string.h>
+
+enum { DRY_RUN = CLI_JOB_OPTIONS, SYMBOLIC, RESUME, OUTPUT, HELP, END };
 static const cli_option options[END - CLI_JOB_OPTIONS] = {
     [DRY_RUN - CLI_JOB_OPTIONS] = {"dry-run", 'n', CLI_NOTHING},
     [SYMBOLIC - CLI_JOB_OPTIONS] = {"symbolic", 0, CLI_NOTHING},
+    [RESUME - CLI_JOB_OPTIONS] = {"resume", 0, CLI_NOTHING},
     [OUTPUT - CLI_JOB_OPTIONS] = {"output", 'o', CLI_TEXT},
     [HELP - CLI_JOB_OPTIONS] = {"help", 'h', CLI_NOTHING},
 };
@@ -22,6 +25,7 @@ static bool set_option(cli_apply *a, int option, const char *value)
     switch (option) {
     case DRY_RUN: return a->dry_run = true;
     case SYMBOLIC: return set_symbolic(&a->recipe);
+    case RESUME: return a->resume = true;
     case OUTPUT: return cli_add_output(&a->recipe, "-o", value);
     default: return false;
     }
@@ -54,12 +58,26 @@ static int read_arguments(cli_apply *a, int argc, char **argv)
     return EXIT_OK;
 }
 
+// A journal is of one job, and of sinks that write as they go.
+static const char *resume_conflict(const cli_apply *a)
+{
+    int written = 0;
+    for (int i = 0; i < a->recipe.nlayers; i++) written += !a->recipe.layer[i].base_only;
+    if (written != 1) return "--resume is for one layer";
+    for (int i = 0; i < a->recipe.noutputs; i++)
+        if (cli_has_ending(a->recipe.outputs[i], "glb") || cli_has_ending(a->recipe.outputs[i], "gltf"))
+            return "--resume: glTF is written at the end alone";
+    return NULL;
+}
+
 static int check_arguments(const cli_apply *a)
 {
     const cli_recipe *r = &a->recipe;
+    const char *no_resume = a->resume && !a->dry_run ? resume_conflict(a) : NULL;
     const char *missing = !r->layer[0].base                 ? "a BASE file is missing"
                           : !r->layer[0].tile               ? "--tile is missing ('knurl tiles' lists them)"
                           : r->noutputs == 0 && !a->dry_run ? "no output: give -o OUT, or --dry-run"
+                          : no_resume                       ? no_resume
                                                             : cli_recipe_conflict(r);
     if (!missing) return EXIT_OK;
     cli_error("apply: %s", missing);
@@ -67,15 +85,42 @@ static int check_arguments(const cli_apply *a)
     return EXIT_USAGE;
 }
 
-// Opens the sinks, runs the job, closes them all whatever happened.
-static kn_status run(kn_ctx *ctx, const cli_apply *a, const kn_job *job, double *bytes)
+// What the job cannot know of its own options: fields are known by the texts that they were made of.
+static uint64_t identity_of(const cli_job *job)
+{
+    uint64_t hash = UINT64_C(0xcbf29ce484222325); // FNV-1a
+    for (int i = -1; i < job->nvary; i++) {
+        const char *texts[2] = {i < 0 ? "" : job->vary[i].parameter,
+                                i < 0 ? job->mask.text : job->vary[i].value.text};
+        for (int k = 0; k < 2; k++)
+            for (const char *c = texts[k] ? texts[k] : ""; *c; c++)
+                hash = (hash ^ (unsigned char)*c) * UINT64_C(0x100000001b3);
+    }
+    return hash;
+}
+
+// With a journal beside the first output, when it is to be resumed.
+static kn_status run_jobs(kn_ctx *ctx, const cli_apply *a, const cli_plan *plan, kn_sink *sinks, int n)
+{
+    if (!a->resume) {
+        if (plan->nshown == 1) return kn_job_run(ctx, plan->shown[0], sinks, n);
+        return kn_job_run_layers(ctx, plan->shown, plan->nshown, sinks, n);
+    }
+    char journal[4096];
+    snprintf(journal, sizeof journal, "%s.journal", a->recipe.outputs[0]);
+    return kn_run_with_journal(ctx, plan->shown[0], sinks, n, journal, true, 0,
+                               identity_of(&a->recipe.layer[plan->shown_layer[0]]));
+}
+
+// Opens the sinks, runs the jobs, closes them all whatever happened.
+static kn_status run(kn_ctx *ctx, const cli_apply *a, const cli_plan *plan, double *bytes)
 {
     kn_sink sinks[CLI_MAX_OUTPUTS];
     int open = 0;
     kn_status status = KN_OK;
     for (; open < a->recipe.noutputs && status == KN_OK; open += status == KN_OK)
         status = cli_open_sink(ctx, &sinks[open], a->recipe.outputs[open], a->recipe.layer[0].unit_mm);
-    if (status == KN_OK) status = kn_job_run(ctx, job, sinks, open);
+    if (status == KN_OK) status = run_jobs(ctx, a, plan, sinks, open);
     for (int i = 0; i < open; i++) {
         bytes[i] = sinks[i].bytes ? (double)sinks[i].bytes(sinks[i].user) : 0.0;
         kn_sink_close(ctx, &sinks[i]);
@@ -116,37 +161,36 @@ static void warn_of_receivers(cli_session *session, const cli_apply *a, const kn
         }
 }
 
-static int apply(cli_session *session, cli_apply *a, const cli_inputs *in, cli_timing *timing)
+static int apply(cli_session *session, cli_apply *a, const cli_plan *plan, cli_timing *timing)
 {
     kn_ctx *ctx = cli_ctx(session);
-    kn_job *job = NULL;
-    const cli_job *layer = &a->recipe.layer[0];
     double bytes[CLI_MAX_OUTPUTS], began = cli_seconds();
-    kn_status status = kn_job_create(ctx, &job, in->base.surfaces, in->base.nsurfaces, &in->tile[0], &layer->options);
-    if (status != KN_OK) return cli_fail_on_job(session, status, layer);
-    kn_job_report report = kn_job_describe(job);
-    timing->plan = cli_seconds() - began;
-    warn_of_receivers(session, a, &report);
-    began = cli_seconds();
+    kn_status status = KN_OK;
+    warn_of_receivers(session, a, &plan->report);
     if (a->dry_run)
-        for (int i = 0; i < a->recipe.noutputs; i++) bytes[i] = cli_estimate_bytes(a->recipe.outputs[i], &report);
+        for (int i = 0; i < a->recipe.noutputs; i++)
+            bytes[i] = cli_estimate_bytes(a->recipe.outputs[i], &plan->report);
     else
-        status = run(ctx, a, job, bytes);
+        status = run(ctx, a, plan, bytes);
     timing->run = cli_seconds() - began;
-    int code = status == KN_OK ? EXIT_OK : cli_fail(session, status, false);
-    kn_job_destroy(ctx, job);
-    if (code == EXIT_OK) cli_print_apply(a, &report, bytes, timing, kn_ctx_counters(ctx).peak_bytes);
-    return code;
+    if (status != KN_OK) return cli_fail(session, status, false);
+    cli_print_apply(a, plan, bytes, timing, kn_ctx_counters(ctx).peak_bytes);
+    return EXIT_OK;
 }
 
 static int work(cli_session *session, cli_apply *a)
 {
     cli_inputs inputs = {0};
+    cli_plan plan = {0};
     cli_timing timing = {0};
     double began = cli_seconds();
     int code = cli_inputs_begin(session, &inputs, &a->recipe);
     timing.read = cli_seconds() - began;
-    if (code == EXIT_OK) code = apply(session, a, &inputs, &timing);
+    began = cli_seconds();
+    if (code == EXIT_OK) code = cli_plan_begin(session, &plan, &a->recipe, &inputs);
+    timing.plan = cli_seconds() - began;
+    if (code == EXIT_OK) code = apply(session, a, &plan, &timing);
+    cli_plan_end(session, &plan);
     cli_inputs_end(session, &inputs, &a->recipe);
     return code;
 }

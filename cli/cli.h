@@ -180,6 +180,9 @@ typedef struct cli_job {
     cli_vary vary[CLI_MAX_VARY];
     kn_job_vary varied[CLI_MAX_VARY];
     int nvary;
+    char name[KN_NAME_BYTES]; // of the layer, in a recipe
+    int on;                   // the layer that is its base, counted from 1; 0: the recipe's base
+    bool base_only;           // it is not written itself
     double unit_mm;
     int threads;
     bool json, quiet;
@@ -274,7 +277,7 @@ void cli_inputs_end(cli_session *session, cli_inputs *inputs, cli_recipe *recipe
 // ---- apply ----
 typedef struct cli_apply {
     cli_recipe recipe;
-    bool dry_run;
+    bool dry_run, resume;
 } cli_apply;
 
 // A sink for path by its ending. False (nothing printed) when the ending has no writer.
@@ -287,7 +290,8 @@ double cli_estimate_bytes(const char *path, const kn_job_report *report);
 typedef struct cli_timing {
     double read, plan, run;
 } cli_timing;
-void cli_print_apply(const cli_apply *apply, const kn_job_report *report, const double *bytes,
+struct cli_plan;
+void cli_print_apply(const cli_apply *apply, const struct cli_plan *plan, const double *bytes,
                      const cli_timing *timing, size_t peak_bytes);
 
 // ---- info ----

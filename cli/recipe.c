@@ -5,6 +5,7 @@
 #include "bridges/jansson/text.h"
 #include "cli/cli.h"
 
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -127,6 +128,44 @@ static bool set_key(const reader *r, cli_job *job, cli_place place, const char *
     return json_is_false(value) || cli_job_set_key(job, number, in_recipe(r, key).text, NULL);
 }
 
+static bool get_name(const reader *r, cli_job *job, const json_t *value)
+{
+    const char *text = json_string_value(value);
+    if (!text || !*text || strlen(text) >= sizeof job->name) return bad(r, "name", "a text of up to 63 bytes");
+    snprintf(job->name, sizeof job->name, "%s", text);
+    return true;
+}
+
+// What a layer is among the others: its name, and whether it is written.
+static bool own_key(const reader *r, cli_job *job, const char *key, const json_t *value, bool *known)
+{
+    *known = true;
+    if (strcmp(key, "on") == 0) return json_is_string(value) || bad(r, key, "the name of an earlier layer");
+    if (strcmp(key, "name") == 0) return get_name(r, job, value);
+    if (strcmp(key, "base_only") == 0) {
+        job->base_only = json_is_true(value);
+        return json_is_boolean(value) || bad(r, key, "true or false");
+    }
+    *known = false;
+    return true;
+}
+
+// The earlier layer that each lies on, by its name.
+static bool find_bases(const reader *r, const json_t *layers)
+{
+    cli_recipe *recipe = r->recipe;
+    bool shown = false;
+    for (int i = 0; i < recipe->nlayers; i++) {
+        const char *on = json_string_value(json_object_get(json_array_get(layers, (size_t)i), "on"));
+        int k = 0;
+        while (on && k < i && strcmp(recipe->layer[k].name, on) != 0) k++;
+        if (on && k == i) return bad(r, "on", "the name of an earlier layer");
+        recipe->layer[i].on = on ? k + 1 : 0;
+        shown = shown || !recipe->layer[i].base_only;
+    }
+    return shown || bad(r, "base_only", "a layer that is written");
+}
+
 static bool get_layer(const reader *r, cli_job *job, json_t *layer)
 {
     const char *key;
@@ -135,6 +174,8 @@ static bool get_layer(const reader *r, cli_job *job, json_t *layer)
     if (!json_is_object(layer)) return bad(r, "layers", "an array of objects");
     json_object_foreach(layer, key, value)
     {
+        if (!own_key(r, job, key, value, &known)) return false;
+        if (known) continue;
         if (!set_key(r, job, CLI_OF_LAYER, key, value, &known)) return false;
         if (!known) {
             cli_error("%s: unknown key \"%s\" in a layer", r->path, key);
@@ -157,7 +198,7 @@ static bool get_layers(const reader *r, const json_t *layers)
         if (!get_layer(r, &recipe->layer[i], json_array_get(layers, i))) return false;
     }
     recipe->nlayers = (int)n;
-    return true;
+    return find_bases(r, layers);
 }
 
 static bool get_outputs(const reader *r, const json_t *outputs)

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // What `knurl apply` prints when it is done: a few lines for people, or one JSON object (the contract).
-#include "cli/cli.h"
+#include "cli/plan.h"
 
 #include <jansson.h>
 #include <math.h>
@@ -103,15 +103,32 @@ static json_t *normal_json(const kn_job_options *o, const kn_job_report *r)
                      "certified", r->normal.certified);
 }
 
-static void print_json(const cli_apply *a, const kn_job_report *r, const double *bytes, const cli_timing *t,
+static json_t *layers_json(const cli_apply *a, const cli_plan *plan)
+{
+    json_t *array = json_array();
+    for (int i = 0; i < plan->njobs; i++) {
+        const kn_job_report r = kn_job_describe(plan->jobs[i]);
+        const cli_job *layer = &a->recipe.layer[i];
+        json_array_append_new(array,
+                              json_pack("{s:o,s:i,s:b,s:I,s:I,s:I,s:o,s:o}", "tile", cli_json_text(layer->tile), "on",
+                                        layer->on, "base_only", layer->base_only, "cells", (json_int_t)r.cells,
+                                        "patches", (json_int_t)r.patches, "triangles", (json_int_t)r.triangles,
+                                        "height", cli_json_number(r.height), "cells_dropped", dropped_json(&r)));
+    }
+    return array;
+}
+
+static void print_json(const cli_apply *a, const cli_plan *plan, const double *bytes, const cli_timing *t,
                        size_t peak_bytes)
 {
+    const kn_job_report *r = &plan->report;
     // fit.tolerance: a stand-in and n may each be off by the tolerance in length and in angle, at the tile's height.
     json_t *o = json_object();
     json_object_set_new(o, "base", cli_json_text(a->recipe.layer[0].base));
     json_object_set_new(o, "tile", cli_json_text(a->recipe.layer[0].tile));
     json_object_set_new(o, "dry_run", json_boolean(a->dry_run));
     json_object_set_new(o, "surfaces", json_integer(r->nsurfaces));
+    if (a->recipe.nlayers > 1) json_object_set_new(o, "layers", layers_json(a, plan));
     json_object_set_new(o, "cells", json_integer((json_int_t)r->cells));
     json_object_set_new(o, "cells_dropped", dropped_json(r));
     json_object_set_new(o, "patches", json_integer((json_int_t)r->patches));
@@ -190,11 +207,11 @@ static void print_text(const cli_apply *a, const kn_job_report *r, const double 
     printf("%.2f s\n", t->read + t->plan + t->run);
 }
 
-void cli_print_apply(const cli_apply *apply, const kn_job_report *report, const double *bytes,
-                     const cli_timing *timing, size_t peak_bytes)
+void cli_print_apply(const cli_apply *apply, const cli_plan *plan, const double *bytes, const cli_timing *timing,
+                     size_t peak_bytes)
 {
     if (apply->recipe.layer[0].json)
-        print_json(apply, report, bytes, timing, peak_bytes);
+        print_json(apply, plan, bytes, timing, peak_bytes);
     else if (!apply->recipe.layer[0].quiet)
-        print_text(apply, report, bytes, timing);
+        print_text(apply, &plan->report, bytes, timing);
 }

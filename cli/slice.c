@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // knurl slice: contours of a texture on a base, layer by layer, as drawings or as one 3MF file.
-#include "cli/cli.h"
+#include "cli/plan.h"
 
 #include <jansson.h>
 #include <math.h>
@@ -25,7 +25,7 @@ typedef struct slicing {
     // what the work finds
     double unit_mm, step, box[4], bottom, top;
     size_t count;
-    kn_job *jobs[CLI_MAX_LAYERS];
+    cli_plan plan;
     kn_slice_options options;
     kn_slice_job_report report;
     size_t nloops, nopen, npoints, doubtful;
@@ -127,10 +127,10 @@ static int find_layers(cli_session *session, slicing *s)
 {
     kn_ctx *ctx = cli_ctx(session);
     double lo = INFINITY, hi = -INFINITY;
-    for (int i = 0; i < s->recipe.nlayers; i++) {
+    for (int i = 0; i < s->plan.nshown; i++) {
         kn_job_slabs *slabs = NULL;
         double z[2];
-        kn_status status = kn_job_slabs_create(ctx, &slabs, s->jobs[i]);
+        kn_status status = kn_job_slabs_create(ctx, &slabs, s->plan.shown[i]);
         if (status != KN_OK) return cli_fail(session, status, false);
         kn_job_slabs_range(slabs, z);
         kn_job_slabs_destroy(ctx, slabs);
@@ -171,9 +171,10 @@ static int find_box(cli_session *session, slicing *s, const cli_inputs *in)
             s->box[2 + d] = fmax(s->box[2 + d], hi[d]);
         }
     }
-    for (int i = 0; i < s->recipe.nlayers; i++) {
-        const kn_job_report report = kn_job_describe(s->jobs[i]);
-        margin = fmax(margin, fabs(report.height) + fabs(s->recipe.layer[i].options.offset));
+    for (int i = 0; i < s->plan.nshown; i++) {
+        const kn_job_report report = kn_job_describe(s->plan.shown[i]);
+        margin += fabs(report.height) +
+                  fabs(s->recipe.layer[s->plan.shown_layer[i]].options.offset); // one may lie on another
     }
     for (int d = 0; d < 2; d++) {
         s->box[d] -= 1.1 * margin + s->step;
@@ -271,23 +272,17 @@ static int slice(cli_session *session, slicing *s, const cli_inputs *in)
 {
     kn_ctx *ctx = cli_ctx(session);
     double began = cli_seconds();
-    int code = EXIT_OK;
-    for (int i = 0; i < s->recipe.nlayers && code == EXIT_OK; i++) {
-        kn_status status = kn_job_create(ctx, &s->jobs[i], in->base.surfaces, in->base.nsurfaces, &in->tile[i],
-                                         &s->recipe.layer[i].options);
-        if (status != KN_OK) code = cli_fail_on_job(session, status, &s->recipe.layer[i]);
-    }
+    int code = cli_plan_begin(session, &s->plan, &s->recipe, in);
     if (code == EXIT_OK) code = find_layers(session, s);
     if (code == EXIT_OK) code = find_box(session, s, in);
     if (code == EXIT_OK) {
         kn_status status = open_stacks(ctx, s);
         if (status == KN_OK)
-            status = kn_slice_job(ctx, (const kn_job *const *)s->jobs, s->recipe.nlayers, &s->options, take_layer, s,
-                                  &s->report);
+            status = kn_slice_job(ctx, s->plan.shown, s->plan.nshown, &s->options, take_layer, s, &s->report);
         status = end_stacks(ctx, s, status);
         if (status != KN_OK) code = cli_fail(session, status, false);
     }
-    for (int i = 0; i < s->recipe.nlayers; i++) kn_job_destroy(ctx, s->jobs[i]);
+    cli_plan_end(session, &s->plan);
     if (code == EXIT_OK) print(s, cli_seconds() - began, kn_ctx_counters(ctx).peak_bytes);
     if (code == EXIT_OK && s->nopen > 0)
         cli_warn(session, "%zu contours are open: the textured object is no closed surface there", s->nopen);
