@@ -57,15 +57,15 @@ void kn_crossing_init(bool *yes, kn_crossing *x, kn_job_cell_plan *plan, const k
     x->top = fmax(fabs(w[0]), fabs(w[1]));
 }
 
-// The interval of the box in one variable: all of a cell where the patch meets one cell of the knot box, else sides
+// The interval of the box in one variable: all of a cell (whole) where the patch meets one cell of it, else sides
 // on multiples of an eighth, between the knots.
-static void interval(double *lo, double *hi, int *shift, const kn_crossing *x, int var, int k)
+static void interval(double *lo, double *hi, int *shift, const kn_crossing *x, int var, int k, bool whole)
 {
     double from = k > 0 ? x->line[var][k - 1] : -INFINITY, to = k < x->n[var] ? x->line[var][k] : INFINITY;
     double a = fmax(floor(x->lo[var] * 8.0) / 8.0, from), b = fmin(ceil(x->hi[var] * 8.0) / 8.0, to);
     if (!(b > a)) b = a + 0.125; // D lies on a line of eighths, and on no knot
     double cell = floor(a);
-    if (b <= cell + 1.0) a = cell, b = cell + 1.0;
+    if (whole && b <= cell + 1.0) a = cell, b = cell + 1.0;
     *shift = (int)cell;
     *lo = a - cell, *hi = b - cell;
 }
@@ -116,19 +116,27 @@ static kn_status weight_stays(kn_ctx *ctx, bool *yes, const kn_crossing *x, int 
     return status;
 }
 
-kn_status kn_crossing_piece(kn_ctx *ctx, bool *fits, kn_crossing *x, int i, int j)
+static kn_status try_piece(kn_ctx *ctx, bool *fits, kn_crossing *x, int i, int j, bool whole)
 {
     const int at[2] = {i, j};
     double lo[2], hi[2];
     kn_job_place place = *x->place;
     for (int c = 0; c < 2; c++) {
-        interval(&lo[c], &hi[c], &x->shift[i][j][c], x, c, at[c]);
+        interval(&lo[c], &hi[c], &x->shift[i][j][c], x, c, at[c], whole);
         place.cell[c] += x->shift[i][j][c];
     }
     kn_status status = kn_job_pieces_get(ctx, &x->piece[i][j], &x->plan->pieces, &place, lo, hi);
     if (status != KN_OK) return status;
     *fits = x->plan->pieces.list[x->piece[i][j]].fits && growth(x, i, j) <= MOST_GROWTH;
     return *fits ? weight_stays(ctx, fits, x, i, j) : KN_OK;
+}
+
+// Over a whole cell where there is a piece, and else closely around D: n may be no single polynomial over the cell, or
+// none beyond the domain.
+kn_status kn_crossing_piece(kn_ctx *ctx, bool *fits, kn_crossing *x, int i, int j)
+{
+    kn_status status = try_piece(ctx, fits, x, i, j, true);
+    return status == KN_OK && !*fits ? try_piece(ctx, fits, x, i, j, false) : status;
 }
 
 kn_status kn_crossing_pieces(kn_ctx *ctx, bool *fit, kn_crossing *x)
