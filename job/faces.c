@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Faces of volumes that others hide: of the same tile, of tiles in neighbouring cells, and of other pieces of the same
-// volume.
+// Faces of volumes that others hide: of the same tile, of tiles in neighbouring cells, and of other pieces of the
+// same volume.
 #include "job/internal.h"
 
 kn_status kn_job_cover_faces(kn_ctx *ctx, kn_job_patches *patches, int first)

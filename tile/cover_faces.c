@@ -8,8 +8,8 @@
 // Coordinates this near, beside the largest, are equal: some roundings of what was modelled to be equal.
 static const double near = 1e-12;
 
-// Face 2 var + end of volume `of`. Turned faces have the same mean of w, and whole numbers of cells between their means
-// of u and of v.
+// Face 2 var + end of volume `of`. Turned faces have the same mean of w, and whole numbers of cells between their
+// means of u and of v.
 typedef struct face {
     size_t of;
     int var, end;

@@ -135,8 +135,8 @@ static void source(kn_ctx *ctx, long double out[3], int *surface, const kn_job *
     kn_bezier_clear(ctx, &d);
 }
 
-// A roof over every cell of a roof over every cell of a twisted sheet: T2(D2) with T2's base T1(D1), both evaluated by
-// themselves in long double. Sizes are about 1, degrees 4 and 4: rounding of two compositions, gamma(200) or so.
+// A roof over every cell of a roof over every cell of a twisted sheet: T2(D2) with T2's base T1(D1), both evaluated
+// by themselves in long double. Sizes are about 1, degrees 4 and 4: rounding of two compositions, gamma(200) or so.
 static void two_levels_deep(void **state)
 {
     (void)state;

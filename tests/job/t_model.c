@@ -20,8 +20,8 @@ static void multilinear(kn_ctx *ctx, kn_spline *out, int nvars, const double *co
     kn_bezier_clear(ctx, &b);
 }
 
-// A bar from u = 0 to u = 1 as two boxes, and one box on the first; a curve across the cell that crosses into the next
-// one; a pyramid as a mesh on the border u = 1 whose base goes from v = 0 to v = 1.
+// A bar from u = 0 to u = 1 as two boxes, and one box on the first; a curve across the cell that crosses into the
+// next one; a pyramid as a mesh on the border u = 1 whose base goes from v = 0 to v = 1.
 static void make_tile(kn_ctx *ctx, kn_tile *out)
 {
     static const double boxes[3][6] = {
@@ -150,7 +150,8 @@ static void meshes_meet(void **state)
     test_ctx_end(ctx, &memory);
 }
 
-// Every directed edge has as many opposites: no gap, up to rounding, which is looked at with a hash of rounded points.
+// Every directed edge has as many opposites: no gap, up to rounding, which is looked at with a hash of rounded
+// points.
 static bool is_closed(const kn_mesh *m)
 {
     for (size_t e = 0; e < 3 * m->ntriangles; e++) {

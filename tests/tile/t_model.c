@@ -67,8 +67,8 @@ static kn_mesh tetrahedron(void)
     return (kn_mesh){.nvertices = 4, .ntriangles = 4, .position = position, .triangle = triangle};
 }
 
-// Part 0 "metal": a curve, a sheet, a trimmed sheet, a volume; part 1 "glass": a mesh. Parameter "lift" moves the sheet
-// and the mesh up by 1 at 3, parameter "bend" the sheet's last corner only.
+// Part 0 "metal": a curve, a sheet, a trimmed sheet, a volume; part 1 "glass": a mesh. Parameter "lift" moves the
+// sheet and the mesh up by 1 at 3, parameter "bend" the sheet's last corner only.
 static kn_status make_all(kn_ctx *ctx, kn_tile *out, const kn_spline *kinds, const kn_trim *trim)
 {
     kn_mesh mesh = tetrahedron();
