@@ -15,7 +15,8 @@
 
 bool cli_scalar_is_file(const char *text)
 {
-    return cli_has_ending(text, "png") || cli_has_ending(text, "g2") || cli_has_ending(text, "bpt");
+    return cli_has_ending(text, "png") || cli_has_ending(text, "g2") || cli_has_ending(text, "bpt") ||
+           cli_has_ending(text, "itd");
 }
 
 static double value_of_constant(const void *user, const kn_place *place)
