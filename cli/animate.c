@@ -210,7 +210,7 @@ static int make_video(const animate *a, const char *out)
     return EXIT_FAILED;
 }
 
-static int draw_frames(cli_session *session, const animate *a, kn_scene *frames, const char *out)
+static int add_boxes(cli_session *session, const animate *a, kn_scene *frames)
 {
     double box[2][3] = {{1e300, 1e300, 1e300}, {-1e300, -1e300, -1e300}};
     for (int f = 0; f < a->frames; f++)
@@ -220,29 +220,36 @@ static int draw_frames(cli_session *session, const animate *a, kn_scene *frames,
                 if (x < box[0][v % 3]) box[0][v % 3] = x;
                 if (x > box[1][v % 3]) box[1][v % 3] = x;
             }
-    kn_ctx *ctx = cli_ctx(session);
+    kn_status status = KN_OK;
+    for (int f = 0; f < a->frames && status == KN_OK; f++)
+        status = add_box(cli_ctx(session), &frames[f], (const double(*)[3])box);
+    return status == KN_OK ? EXIT_OK : cli_fail(session, status, false);
+}
+
+static int draw_frames(cli_session *session, const animate *a, const kn_scene *frames, const char *out)
+{
     kn_status status = KN_OK;
     for (int f = 0; f < a->frames && status == KN_OK; f++) {
         char path[MAX_TEXT], number[16];
         (void)snprintf(number, sizeof number, "%04d", f + 1);
         frame_path(path, out, number);
-        status = add_box(ctx, &frames[f], (const double(*)[3])box);
-        if (status == KN_OK) status = draw(ctx, a, &frames[f], path);
+        status = draw(cli_ctx(session), a, &frames[f], path);
     }
     return status == KN_OK ? EXIT_OK : cli_fail(session, status, false);
 }
 
 // ---- the whole ----
 
-static int write_output(cli_session *session, const animate *a, kn_scene *frames, const char *out, bool *drawn)
+static int write_output(cli_session *session, const animate *a, kn_scene *frames, const char *out, bool *boxed)
 {
     if (cli_has_ending(out, "glb") || cli_has_ending(out, "gltf")) {
         const kn_gltf_options o = {.unit_mm = a->recipe.layer[0].unit_mm};
         kn_status status = kn_gltf_write_frames(cli_ctx(session), out, frames, a->frames, a->seconds, &o);
         return status == KN_OK ? EXIT_OK : cli_fail(session, status, false);
     }
-    int code = *drawn ? EXIT_OK : draw_frames(session, a, frames, out);
-    *drawn = false;
+    int code = *boxed ? EXIT_OK : add_boxes(session, a, frames);
+    *boxed = true;
+    if (code == EXIT_OK) code = draw_frames(session, a, frames, out);
     return code == EXIT_OK && cli_has_ending(out, "mp4") ? make_video(a, out) : code;
 }
 
@@ -251,14 +258,14 @@ static int work(cli_session *session, const animate *a)
     kn_scene *frames = calloc((size_t)a->frames, sizeof *frames);
     if (!frames) return cli_fail_at(session, KN_ENOMEM, "animate: out of memory");
     int code = EXIT_OK;
-    bool drawn = false;
+    bool boxed = false;
     for (int f = 0; f < a->frames && code == EXIT_OK; f++)
         code = make_frame(session, &frames[f], a, a->frames > 1 ? (double)f / (a->frames - 1) : 0.0);
     for (int pass = 0; pass < 2; pass++) // glTF first: pictures add to the scenes
         for (int i = 0; i < a->recipe.noutputs && code == EXIT_OK; i++) {
             const char *out = a->recipe.outputs[i];
             bool picture = cli_has_ending(out, "png") || cli_has_ending(out, "mp4");
-            if (picture == (pass == 1)) code = write_output(session, a, frames, out, &drawn);
+            if (picture == (pass == 1)) code = write_output(session, a, frames, out, &boxed);
         }
     for (int f = 0; f < a->frames; f++) frame_clear(cli_ctx(session), &frames[f]);
     free(frames);

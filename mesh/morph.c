@@ -248,7 +248,7 @@ static kn_status look_up(kn_ctx *ctx, double *target, const flat *a, const flat 
 
 static bool same_triangles(const kn_mesh *a, const kn_mesh *b)
 {
-    return a->nvertices == b->nvertices && a->ntriangles == b->ntriangles &&
+    return a->ntriangles > 0 && a->nvertices == b->nvertices && a->ntriangles == b->ntriangles &&
            memcmp(a->triangle, b->triangle, 3 * a->ntriangles * sizeof *a->triangle) == 0;
 }
 
