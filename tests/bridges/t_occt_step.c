@@ -46,6 +46,15 @@ static void trip_write(trip *t, const kn_step_options *options, size_t block)
     for (size_t i = 0; i < t->count; i++)
         for (int d = 0; d < 2; d++)
             if (t->patch[i].bezier.degree[d] > report.degree[d]) report.degree[d] = t->patch[i].bezier.degree[d];
+    for (size_t i = 0; i < t->count; i++) {
+        size_t spans = 0;
+        if (!t->patch[i].trim) continue;
+        for (int k = 0; k < t->patch[i].trim->ncurves; k++)
+            spans += (size_t)kn_spline_spans(&t->patch[i].trim->curves[k], 0);
+        if ((size_t)t->patch[i].trim->ncurves > report.trim_curves)
+            report.trim_curves = (size_t)t->patch[i].trim->ncurves;
+        if (spans > report.trim_spans) report.trim_spans = spans;
+    }
     assert_int_equal(kn_step_sink(t->ctx, &sink, t->path, options), KN_OK);
     assert_int_equal(test_feed(t->ctx, &sink, &t->tile.tile, &report, t->patch, t->count, block), KN_OK);
     kn_sink_close(t->ctx, &sink);
@@ -275,12 +284,50 @@ static void failures(void **state)
     trip_end(&t);
 }
 
+// Cuts with the lines {f = 0} of random functions: a face for each side, some with holes; each one valid, on the
+// patch's own surface, and on the side of the cut where it belongs by its bounding box.
+static void trimmed_faces(void **state)
+{
+    (void)state;
+    enum { CUTS = 6 };
+    trip t;
+    kn_trim side[2 * CUTS] = {0}, whole = {0};
+    trip_start(&t, "trimmed.step", 1);
+    for (int k = 0; k < CUTS; k++) {
+        kn_bezier f = {0};
+        kn_trim_cut_report report;
+        assert_int_equal(kn_bezier_init(t.ctx, &f, 2, 1, false, (int[]){2, 2}), KN_OK);
+        // a circle, or a line that bends from one edge to the opposite one
+        static const double square[3] = {0.25, -0.25, 0.25}, bent[3] = {-0.4, 0.1, 0.45};
+        for (int i = 0; i < 9; i++)
+            f.coef[i] = k == 0 ? square[i / 3] + square[i % 3] - 0.1
+                               : bent[i / 3] + test_uniform(&t.rng, -0.08, 0.08);
+        assert_int_equal(kn_trim_cut(t.ctx, &side[2 * k], &side[2 * k + 1], &report, &whole, &f, 1e-3), KN_OK);
+        assert_true(report.below && report.above);
+        for (int i = 0; i < 2; i++) {
+            kn_patch *patch = trip_add(&t, 2 + k, 3, k % 2 == 1);
+            patch->trim = &side[2 * k + i];
+            patch->reversed = k == 3;
+        }
+        kn_bezier_clear(t.ctx, &f);
+    }
+    trip_add(&t, 3, 3, false);
+    trip_write(&t, NULL, 3);
+    trip_read(&t);
+    expect_valid(&t);
+    expect_points(&t, 1.0);
+    // curves in space are cubics through the trim's points, with the surface's derivatives there: far nearer than this
+    assert_true(t.report.max_tolerance < 1e-3);
+    for (int k = 0; k < 2 * CUTS; k++) kn_trim_clear(t.ctx, &side[k]);
+    trip_end(&t);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(polynomial),     cmocka_unit_test(rational),    cmocka_unit_test(collapsed_edges),
-        cmocka_unit_test(closed_patches), cmocka_unit_test(orientation), cmocka_unit_test(parts_names_units),
-        cmocka_unit_test(failures),
+        cmocka_unit_test(polynomial),     cmocka_unit_test(rational),      cmocka_unit_test(collapsed_edges),
+        cmocka_unit_test(closed_patches), cmocka_unit_test(orientation),   cmocka_unit_test(parts_names_units),
+        cmocka_unit_test(failures),       cmocka_unit_test(trimmed_faces),
     };
     return cmocka_run_group_tests_name("bridges/occt_step", tests, NULL, NULL);
 }
