@@ -56,33 +56,7 @@ static const char apply[] =
     "      --side above|below|both   w = 0 .. 1 from 0 to H, from 0 to -H, or from -H to H\n"
     "      --rotate DEG        turns the tile in its cell; tiles that cover by multiples of 90\n"
     "lengths may name their unit: 3mm, 0.5cm, 1in\n"
-    "placement:\n"
-    "      --shift U[,V]       of all tiles, in cells\n"
-    "      --stagger U[,V]     each next row by so many cells in u (bricks: 0.5), each next column in v\n"
-    "      --mirror u|v|uv     every second column, row, or both\n"
-    "      --border extend|clip|cyclic[,..]   what reaches beyond open ends: over the extended surface, cut off, or\n"
-    "                          in at the other end\n"
-    "      --scatter L         tiles at random places at least L apart, in place of one in each cell\n"
-    "which cells there are (all that is said must hold):\n"
-    "      --mask FIELD        where it is above 0.5\n"
-    "      --faces 0,3,5-9     on these surfaces of the base\n"
-    "      --within-angle AXIS,DEG   the normal this near to x, -z .. or X,Y,Z\n"
-    "      --skip N[,M]        every N-th only\n"
-    "      --density P         this share of them, by chance\n"
-    "      --slab Z0,Z1        that may touch heights from Z0 to Z1\n"
-    "      --range FIRST[,N]   by their numbers in the job's order\n"
-    "      --seed N            of all that is left to chance\n"
-    "      --camera X,Y,Z,X,Y,Z[,DEG]   in the picture of this eye, which looks at the second point\n"
-    "      --picture W,H --least-pixels N --hidden   its pixels; cells that are smaller, or behind the base, go\n"
-    "variation:\n"
-    "      --vary NAME=FIELD   a parameter of the tile, or height (a factor) or offset, over the base; many times\n"
-    "      --set NAME=X        the same everywhere\n"
-    "      --taper L           heights end at open ends and at borders of the mask, from L away on\n"
-    "      --jitter angle=DEG,shift=X,scale=X,height=X   by chance, up to so much; any of them\n"
-    "a FIELD is a number, a .g2 file with one surface over (u,v), a .png (black 0, white 1), or an expression of u v "
-    "x "
-    "y z\n"
-    "nx ny nz mean gauss face with sin .. noise(x,y,z) smooth(a,b,x) clamp mix mod: 'u > 0.5 && noise(x,y,z) > 0'\n"
+    "placement, selection, variation: 'knurl help placement'\n"
     "which shell:\n"
     "      --direction X,Y,Z|FILE.g2      instead of the normal\n"
     "      --thickness X|FILE.g2          the height counts in it\n"
@@ -109,6 +83,40 @@ static const char apply[] =
     "      --resume            keep a journal (OUT.journal), and go on from it after an interruption\n"
     "      --json              one JSON object on standard output\n"
     "  -q, --quiet             no progress, no summary\n";
+
+static const char placement[] =
+    "knurl apply BASE --tile TILE [where tiles lie] [which cells there are] [what varies] -o OUT\n"
+    "\n"
+    "  knurl apply wall.g2 --tile brick --size 4,2 --stagger 0.5 -o wall.step\n"
+    "  knurl apply teapot.bpt --tile thorn --size 0.3 --mask 'z > 1' --vary 'height=1+noise(x,y,z)' -o teapot.stl\n"
+    "\n"
+    "where tiles lie:\n"
+    "      --shift U[,V]       of all tiles, in cells\n"
+    "      --stagger U[,V]     each next row by so many cells in u (bricks: 0.5), each next column in v\n"
+    "      --mirror u|v|uv     every second column, row, or both\n"
+    "      --border extend|clip|cyclic[,..]   what reaches beyond open ends: over the extended surface, cut off, or\n"
+    "                          in at the other end\n"
+    "      --scatter L         tiles at random places at least L apart, in place of one in each cell\n"
+    "which cells there are (all that is said must hold):\n"
+    "      --mask FIELD        where it is above 0.5\n"
+    "      --faces 0,3,5-9     on these surfaces of the base\n"
+    "      --within-angle AXIS,DEG   the normal this near to x, -z .. or X,Y,Z\n"
+    "      --skip N[,M]        every N-th only\n"
+    "      --density P         this share of them, by chance\n"
+    "      --slab Z0,Z1        that may touch heights from Z0 to Z1\n"
+    "      --range FIRST[,N]   by their numbers in the job's order\n"
+    "      --seed N            of all that is left to chance\n"
+    "      --camera X,Y,Z,X,Y,Z[,DEG]   in the picture of this eye, which looks at the second point\n"
+    "      --picture W,H --least-pixels N --hidden   its pixels; cells that are smaller, or behind the base, go\n"
+    "variation:\n"
+    "      --vary NAME=FIELD   a parameter of the tile, or height (a factor) or offset, over the base; many times\n"
+    "      --set NAME=X        the same everywhere\n"
+    "      --taper L           heights end at open ends and at borders of the mask, from L away on\n"
+    "      --jitter angle=DEG,shift=X,scale=X,height=X   by chance, up to so much; any of them\n"
+    "a FIELD is a number, a .g2 file with one surface over (u,v), a .png (black 0, white 1), or an expression of u v "
+    "x "
+    "y z\n"
+    "nx ny nz mean gauss face with sin .. noise(x,y,z) smooth(a,b,x) clamp mix mod: 'u > 0.5 && noise(x,y,z) > 0'\n";
 
 static const char check[] =
     "knurl check BASE --height H [--tile TILE] [-o heat.png] [-o heat.glb]\n"
@@ -221,8 +229,8 @@ int cli_help(FILE *to, const char *command)
 {
     static const struct {
         const char *name, *text;
-    } texts[] = {{"apply", apply}, {"check", check}, {"slice", slice},   {"tiles", tiles},
-                 {"info", info},   {"eval", eval},   {"render", render}, {"animate", animate}};
+    } texts[] = {{"apply", apply}, {"check", check},   {"slice", slice},     {"tiles", tiles},        {"info", info},
+                 {"eval", eval},   {"render", render}, {"animate", animate}, {"placement", placement}};
     if (!command) return fputs(overview, to) < 0 ? EXIT_FAILED : EXIT_OK;
     for (size_t i = 0; i < sizeof texts / sizeof *texts; i++)
         if (strcmp(command, texts[i].name) == 0) return fputs(texts[i].text, to) < 0 ? EXIT_FAILED : EXIT_OK;
