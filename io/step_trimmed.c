@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A trimmed patch as an ADVANCED_FACE: each curve of the trim is an edge with a curve in space and one in the plane of
-// the surface's parameters (SURFACE_CURVE, PCURVE), both over the same knots.
+// A trimmed patch as an ADVANCED_FACE: each curve of the trim is an edge with a curve in space and one in the plane
+// of the surface's parameters (SURFACE_CURVE, PCURVE), both over the same knots.
 //
 // Along an edge of the square the curve in space is the patch's own, restricted. Elsewhere it is a cubic for each
 // segment of the trim (subdivided where it bends), which has the patch's points and derivatives along the trim at the
@@ -18,8 +18,8 @@ enum {
     LOOP_NUMBERS = 2,
 };
 
-// One curve of the trim, sampled: n points in the plane, of degree 1 there; n - 1 cubics in space, or one of the degree
-// of the patch's edge.
+// One curve of the trim, sampled: n points in the plane, of degree 1 there; n - 1 cubics in space, or one of the
+// degree of the patch's edge.
 typedef struct edge {
     double (*plane)[2];
     double *space; // x, y, z, weight

@@ -131,8 +131,8 @@ static kn_status try_piece(kn_ctx *ctx, bool *fits, kn_crossing *x, int i, int j
     return *fits ? weight_stays(ctx, fits, x, i, j) : KN_OK;
 }
 
-// Over a whole cell where there is a piece, and else closely around D: n may be no single polynomial over the cell, or
-// none beyond the domain.
+// Over a whole cell where there is a piece, and else closely around D: n may be no single polynomial over the cell,
+// or none beyond the domain.
 kn_status kn_crossing_piece(kn_ctx *ctx, bool *fits, kn_crossing *x, int i, int j)
 {
     kn_status status = try_piece(ctx, fits, x, i, j, true);

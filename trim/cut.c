@@ -139,8 +139,8 @@ static void swap(kn_trim *a, kn_trim *b)
     *b = t;
 }
 
-// Both sides with the lines of zeros followed to within tol. *solid: each side has an area, which a part that is thinner
-// than tol may have lost.
+// Both sides with the lines of zeros followed to within tol. *solid: each side has an area, which a part that is
+// thinner than tol may have lost.
 static kn_status cut_within(kn_ctx *ctx, kn_trim side[2], double *residual, bool *solid, const kn_trim *trim,
                             const kn_bezier *f, const kn_bezier *g, double tol)
 {

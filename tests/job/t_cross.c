@@ -356,8 +356,8 @@ static void scales_on_waves(void **state)
     test_ctx_end(ctx, &memory);
 }
 
-// A sheet of 2 x 2 Bezier patches, turned, with a round hole, over knot lines: a point of it is in one output patch if
-// the trim has it, and in none if not.
+// A sheet of 2 x 2 Bezier patches, turned, with a round hole, over knot lines: a point of it is in one output patch
+// if the trim has it, and in none if not.
 static void trimmed_tiles(void **state)
 {
     (void)state;

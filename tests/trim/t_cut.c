@@ -178,8 +178,8 @@ static void restricted(void **state)
     test_ctx_end(ctx, &memory);
 }
 
-// Two patches that share an edge, run in opposite directions: their cuts meet it in the same points. And a curve turned
-// twice is itself.
+// Two patches that share an edge, run in opposite directions: their cuts meet it in the same points. And a curve
+// turned twice is itself.
 static void neighbours_agree(void **state)
 {
     (void)state;
