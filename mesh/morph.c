@@ -8,6 +8,7 @@
 #include "mesh/edges.h"
 
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 enum { MOST_ROUNDS = 4 };
@@ -107,16 +108,27 @@ static kn_status quarter(kn_ctx *ctx, flat *f)
 
 // ---- looking up ----
 
+typedef struct corner {
+    double angle;
+    uint32_t vertex;
+} corner;
+
 // Triangles of b by the squares of a grid over [-1,1]^2 that their boxes touch: list[first[s] .. first[s + 1] - 1].
 typedef struct finder {
     const flat *b;
     int side;
     size_t *first;
     uint32_t *list;
-    uint32_t *ring; // border vertices by angle
-    double *angle;
+    corner *corner; // of the border, by angle
     size_t nring;
 } finder;
+
+static int by_angle(const void *a, const void *b)
+{
+    const corner *x = a, *y = b;
+    return x->angle != y->angle ? (x->angle > y->angle) - (x->angle < y->angle)
+                                : (x->vertex > y->vertex) - (x->vertex < y->vertex);
+}
 
 static int square_of(const finder *f, double x)
 {
@@ -141,9 +153,8 @@ static kn_status finder_init(kn_ctx *ctx, finder *f, const flat *b)
     *f = (finder){.b = b, .side = (int)fmin(ceil(sqrt((double)nt)), 2048.0)};
     size_t squares = (size_t)f->side * (size_t)f->side;
     f->first = kn_alloc_zero(ctx, squares + 1, sizeof *f->first);
-    f->ring = kn_alloc(ctx, b->mesh.nvertices, sizeof *f->ring);
-    f->angle = kn_alloc(ctx, b->mesh.nvertices, sizeof *f->angle);
-    if (!f->first || !f->ring || !f->angle) return KN_ENOMEM;
+    f->corner = kn_alloc(ctx, b->mesh.nvertices, sizeof *f->corner);
+    if (!f->first || !f->corner) return KN_ENOMEM;
     int lo[2], hi[2];
     for (int pass = 0; pass < 2; pass++) {
         for (size_t i = 0; i < nt; i++) {
@@ -167,12 +178,9 @@ static kn_status finder_init(kn_ctx *ctx, finder *f, const flat *b)
     for (size_t v = 0; v < b->mesh.nvertices; v++) {
         if (!b->border[v]) continue;
         double angle = atan2(b->xy[2 * v + 1], b->xy[2 * v]);
-        size_t at = f->nring++;
-        for (; at > 0 && f->angle[at - 1] > angle; at--)
-            f->angle[at] = f->angle[at - 1], f->ring[at] = f->ring[at - 1];
-        f->angle[at] = angle;
-        f->ring[at] = (uint32_t)v;
+        f->corner[f->nring++] = (corner){angle, (uint32_t)v};
     }
+    qsort(f->corner, f->nring, sizeof *f->corner, by_angle);
     return KN_OK;
 }
 
@@ -180,8 +188,7 @@ static void finder_clear(kn_ctx *ctx, finder *f)
 {
     kn_free(ctx, f->first);
     kn_free(ctx, f->list);
-    kn_free(ctx, f->ring);
-    kn_free(ctx, f->angle);
+    kn_free(ctx, f->corner);
 }
 
 static void on_border(double out[3], const finder *f, const double xy[2])
@@ -191,18 +198,18 @@ static void on_border(double out[3], const finder *f, const double xy[2])
     size_t lo = 0, hi = f->nring; // the first that lies beyond
     while (lo < hi) {
         size_t middle = (lo + hi) / 2;
-        if (f->angle[middle] > angle)
+        if (f->corner[middle].angle > angle)
             hi = middle;
         else
             lo = middle + 1;
     }
     size_t after = lo % f->nring, before = (lo + f->nring - 1) % f->nring;
-    double start = f->angle[before], length = f->angle[after] - start, way = angle - start;
+    double start = f->corner[before].angle, length = f->corner[after].angle - start, way = angle - start;
     if (length <= 0.0) length += turn;
     if (way < 0.0) way += turn;
     double part = fmin(way / length, 1.0);
-    const double *p = f->b->mesh.position + 3 * (size_t)f->ring[before],
-                 *q = f->b->mesh.position + 3 * (size_t)f->ring[after];
+    const double *p = f->b->mesh.position + 3 * (size_t)f->corner[before].vertex,
+                 *q = f->b->mesh.position + 3 * (size_t)f->corner[after].vertex;
     for (int c = 0; c < 3; c++) out[c] = (1.0 - part) * p[c] + part * q[c];
 }
 
