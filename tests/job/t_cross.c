@@ -356,6 +356,44 @@ static void scales_on_waves(void **state)
     test_ctx_end(ctx, &memory);
 }
 
+// A cubic over knot lines in both directions is cut at its roots: every piece is T(D) from end to end.
+static void curves(void **state)
+{
+    (void)state;
+    test_memory memory = TEST_MEMORY_INIT;
+    kn_ctx *ctx = test_ctx(&memory, 1);
+    test_rng rng = test_random(11);
+    kn_spline base = {0}, up = {0}, c = {0};
+    kn_tile tile = {0};
+    kn_job *job = NULL;
+    keeper k;
+    make_base(ctx, &base, 1, true, &rng);
+    make_up(ctx, &up);
+    kn_bezier b = {.nvars = 1, .ncomp = 3, .degree = {3}};
+    b.coef = (double[]){-0.3, 0.9, 0.4, 1.2, 0.2, -0.4, 1.9, 0.8, 0.0, 0.3, 0.2, 0.6};
+    assert_int_equal(kn_spline_of_bezier(ctx, &c, &b), KN_OK);
+    assert_int_equal(kn_tile_init(ctx, &tile, "curve", 1), KN_OK);
+    assert_int_equal(kn_tile_add(ctx, &tile, 0, &c), KN_OK);
+    const kn_job_options o = {.count = {2, 3}, .height = 0.2, .direction = &up};
+    assert_int_equal(kn_job_create(ctx, &job, &base, 1, &tile, &o), KN_OK);
+    scene s = {.ctx = ctx, .job = job, .exact = true};
+    run(ctx, &k, job);
+    assert_true(k.n > 6); // cells
+    for (size_t i = 0; i < k.n; i++) {
+        kn_bezier d = {0};
+        kn_patch_place place;
+        assert_int_equal(kn_job_source(ctx, &d, &place, job, &k.list[i].id), KN_OK);
+        assert_int_equal(d.nvars, 1);
+        for (int t = 0; t <= 8; t++) check_value(&s, &k.list[i], &d, &place, (double[]){t / 8.0, 0.0});
+        kn_bezier_clear(ctx, &d);
+    }
+    keeper_clear(ctx, &k);
+    kn_job_destroy(ctx, job);
+    kn_tile_clear(ctx, &tile);
+    kn_spline_clear(ctx, &base), kn_spline_clear(ctx, &up), kn_spline_clear(ctx, &c);
+    test_ctx_end(ctx, &memory);
+}
+
 // A sheet of 2 x 2 Bezier patches, turned, with a round hole, over knot lines: a point of it is in one output patch
 // if the trim has it, and in none if not.
 static void trimmed_tiles(void **state)
@@ -431,6 +469,7 @@ static void trimmed_tiles(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {cmocka_unit_test(trimmed), cmocka_unit_test(approximated),
-                                       cmocka_unit_test(trimmed_tiles), cmocka_unit_test(scales_on_waves)};
+                                       cmocka_unit_test(trimmed_tiles), cmocka_unit_test(curves),
+                                       cmocka_unit_test(scales_on_waves)};
     return cmocka_run_group_tests_name("job/cross", tests, NULL, NULL);
 }
