@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Composed patches per second of a job into a sink that drops them: chain links over a bent bicubic patch, by matrix
-// and by symbolic composition of every cell, on one thread and on two; and the matrix product against the machine's
-// peak.
+// and by symbolic composition of every cell, on one thread and on two; the matrix product against the machine's peak;
+// whole bicubic tile patches in pieces of degrees (3,3,1) and (8,8,1) on one thread and on two; composed and
+// tessellated triangles per second; and the time from nothing to a closed STL file of a million triangles.
 #include "bench/bench.h"
 
 #include "kernel/gemm.h"
@@ -78,6 +79,100 @@ static double product_rate(size_t k, size_t n)
     return 200.0 * 2.0 * ROWS * (double)k * (double)n / rival.seconds;
 }
 
+// ---- whole bicubic tile patches ----
+
+static kn_status make_bump(kn_ctx *ctx, kn_tile *tile)
+{
+    const double knots[] = {0, 0, 0, 0, 1, 1, 1, 1}, *k[2] = {knots, knots};
+    const int degree[2] = {3, 3}, count[2] = {4, 4};
+    double coef[48];
+    for (int i = 0; i < 4; i++)
+        for (int j = 0; j < 4; j++) {
+            coef[4 * i + j] = i / 3.0;
+            coef[16 + 4 * i + j] = j / 3.0;
+            coef[32 + 4 * i + j] = i % 3 && j % 3 ? 0.9 : 0.1;
+        }
+    kn_spline s = {0};
+    kn_status status = kn_spline_init(ctx, &s, 2, 3, false, degree, count, k, coef);
+    if (status == KN_OK) status = kn_tile_init(ctx, tile, "bump", 1);
+    if (status == KN_OK) status = kn_tile_add(ctx, tile, 0, &s);
+    kn_spline_clear(ctx, &s);
+    return status;
+}
+
+// Patches per second with pieces of the degrees that n gets, and what that is of the peak.
+static kn_status compose_whole(kn_ctx *ctx[2], const kn_spline *base, const kn_tile *tile, kn_normal_method normal,
+                               int count, double peak, bool *failed)
+{
+    kn_job *job = NULL;
+    kn_job_options o = {.count = {count, count}, .normal_tol = 1e-3, .max_degree = KN_MAX_DEGREE, .normal = normal};
+    kn_status status = kn_job_create(ctx[1], &job, base, 1, tile, &o);
+    if (status != KN_OK) return status;
+    kn_job_report r = kn_job_describe(job);
+    const kn_spline *n = kn_shell_normal(kn_job_shell(job, 0));
+    task tasks[2] = {{ctx[0], job, false}, {ctx[1], job, false}};
+    bench_rival rivals[2] = {{"1 thread", run, &tasks[0], 0, 0}, {"2 threads", run, &tasks[1], 0, 0}};
+    bench_compare(rivals, 2, BENCH_WALL);
+    double k = 16.0 + (n->degree[0] + 1) * (n->degree[1] + 1);
+    double flops = 2.0 * 3.0 * k * (double)r.control_points / (double)r.patches;
+    for (int i = 0; i < 2; i++) {
+        double rate = (double)r.patches / rivals[i].seconds;
+        printf(
+            "(%d,%d,1) to (%d,%d), %zu patches, %-9s %9.0f patches/s  %5.2f x  %6.1f GFLOP/s, %.0f %% of a thread\n",
+            n->degree[0], n->degree[1], r.degree[0], r.degree[1], r.patches, rivals[i].name, rate, rivals[i].ratio,
+            rate * flops * 1e-9, 100 * rate * flops / peak);
+        *failed = *failed || tasks[i].failed;
+    }
+    kn_job_destroy(ctx[1], job);
+    return KN_OK;
+}
+
+// ---- triangles ----
+
+// Seconds from the creation of a context to a closed file; *triangles in it.
+static kn_status write_stl(const char *path, const kn_spline *base, const char *name, int count, double tolerance,
+                           int threads, double *seconds, size_t *triangles)
+{
+    kn_ctx *ctx = NULL;
+    kn_ctx_options options = {.threads = threads};
+    double start = bench_now(BENCH_WALL);
+    if (kn_ctx_create(&ctx, &options) != KN_OK) return KN_ENOMEM;
+    kn_job *job = NULL;
+    kn_tile tile = {0};
+    kn_sink sink = {0};
+    kn_job_options o = {.count = {count, count}, .normal_tol = 1e-3, .max_degree = 14, .mesh_tol = tolerance};
+    kn_status status = kn_builtin_tile(ctx, &tile, name);
+    if (status == KN_OK) status = kn_job_create(ctx, &job, base, 1, &tile, &o);
+    if (status == KN_OK) status = kn_stl_sink(ctx, &sink, path);
+    if (status == KN_OK) status = kn_job_run(ctx, job, &sink, 1);
+    kn_sink_close(ctx, &sink);
+    *seconds = bench_now(BENCH_WALL) - start;
+    if (status == KN_OK) *triangles = kn_job_describe(job).triangles;
+    if (status != KN_OK) fprintf(stderr, "%s\n", kn_ctx_message(ctx));
+    kn_job_destroy(ctx, job);
+    kn_tile_clear(ctx, &tile);
+    kn_ctx_destroy(ctx);
+    return status;
+}
+
+static kn_status triangles(const kn_spline *base)
+{
+    static const char path[] = "/tmp/knurl-bench.stl";
+    kn_status status = KN_OK;
+    for (int threads = 1; threads <= 2; threads++) {
+        double seconds[5];
+        size_t n = 0;
+        for (int i = 0; i < 5 && status == KN_OK; i++)
+            status = write_stl(path, base, "scale", 32, 0.002, threads, &seconds[i], &n);
+        if (status != KN_OK) return status;
+        double s = bench_median(seconds, 5);
+        printf("from nothing to a closed STL file, %d thread%s: %zu triangles in %.2f s, %.2f million/s\n", threads,
+               threads > 1 ? "s" : "", n, s, (double)n / s * 1e-6);
+    }
+    remove(path);
+    return status;
+}
+
 int main(void)
 {
     kn_ctx *ctx[2] = {NULL, NULL};
@@ -127,6 +222,14 @@ int main(void)
            100 * rate / peak);
     bool failed = false;
     for (int i = 0; i < 4; i++) failed = failed || tasks[i].failed;
+    kn_tile bump = {0};
+    status = make_bump(ctx[1], &bump);
+    if (status == KN_OK) status = compose_whole(ctx, &base, &bump, KN_NORMAL_FITTED, 64, peak, &failed);
+    if (status == KN_OK) status = compose_whole(ctx, &base, &bump, KN_NORMAL_EXACT_DIRECTION, 32, peak, &failed);
+    if (status == KN_OK) status = triangles(&base);
+    if (status != KN_OK) fprintf(stderr, "%s\n", kn_ctx_message(ctx[1]));
+    failed = failed || status != KN_OK;
+    kn_tile_clear(ctx[1], &bump);
     for (int i = 0; i < 2; i++) kn_job_destroy(ctx[1], jobs[i]);
     kn_tile_clear(ctx[1], &tile), kn_spline_clear(ctx[1], &base);
     for (int i = 0; i < 2; i++) kn_ctx_destroy(ctx[i]);

@@ -11,7 +11,14 @@
 #define KN_X86 0
 #endif
 
-enum { PANEL = 16, MOST_ROWS = 12 };
+enum {
+    PANEL = 16,
+    MOST_ROWS = 12,
+    // Rows of C lie on pages of their own: so many at a time are few enough for the first table of pages. Not where
+    // B is larger than what stays in the second cache.
+    ROWS_TOGETHER = 48,
+    NUMBERS_TOGETHER = 1 << 16
+};
 
 size_t kn_gemm_room(size_t k, size_t n)
 {
@@ -158,14 +165,19 @@ void kn_gemm_as(kn_gemm_kind kind, double *const *c, const double *const *a, siz
                 size_t k, size_t n)
 {
     block run = block_of(kind);
-    for (size_t at = 0; at < n; at += PANEL, packed += PANEL * k)
-        for (size_t i = 0; i < rows; i += MOST_ROWS) {
-            int m = rows - i < MOST_ROWS ? (int)(rows - i) : MOST_ROWS;
-            if (at + PANEL <= n)
-                run(c + i, at, a + i, m, packed, k);
-            else
-                last_panel(run, c + i, at, n - at, a + i, m, packed, k);
-        }
+    size_t together = k * n <= NUMBERS_TOGETHER ? ROWS_TOGETHER : rows;
+    for (size_t first = 0; first < rows; first += together) {
+        size_t end = rows - first < together ? rows : first + together;
+        const double *panel = packed;
+        for (size_t at = 0; at < n; at += PANEL, panel += PANEL * k)
+            for (size_t i = first; i < end; i += MOST_ROWS) {
+                int m = end - i < MOST_ROWS ? (int)(end - i) : MOST_ROWS;
+                if (at + PANEL <= n)
+                    run(c + i, at, a + i, m, panel, k);
+                else
+                    last_panel(run, c + i, at, n - at, a + i, m, panel, k);
+            }
+    }
 }
 
 void kn_gemm(double *const *c, const double *const *a, size_t rows, const double *packed, size_t k, size_t n)

@@ -60,6 +60,8 @@ static void use_shell(feed *f, const kn_shell *shell)
     if (cell[0] > 100 || cell[0] < -100) cell[0] = 100;
     if (kn_shell_piece_init(f->ctx, &piece, &fits, shell, cell, lo, hi, feed_wild(f, 0, 8)) == KN_OK && fits)
         kn_shell_piece_clear(f->ctx, &piece);
+    if (kn_shell_piece_outline(f->ctx, &piece, &fits, shell, cell, lo, hi, 6) == KN_OK && fits)
+        kn_shell_piece_clear(f->ctx, &piece);
 }
 
 // A point that T has made must be in one of the boxes; all boxes reach into the domain.

@@ -73,6 +73,27 @@ typedef struct tally {
     int exact, stand_in, none;
 } tally;
 
+// The outline says the same of the piece, with or without coefficients.
+static void check_outline(kn_ctx *ctx, const kn_shell_piece *p, bool fits, const kn_shell *shell, const int cell[2],
+                          const double lo[2], const double hi[2], int degree_sum)
+{
+    kn_shell_piece q = {0};
+    bool same = !fits;
+    assert_int_equal(kn_shell_piece_outline(ctx, &q, &same, shell, cell, lo, hi, degree_sum), KN_OK);
+    assert_true(same == fits);
+    if (!fits) return;
+    assert_int_equal(q.nterms, p->nterms);
+    assert_true(q.exact == p->exact && q.deviation == p->deviation);
+    assert_true(q.normal.length_error == p->normal.length_error && q.normal.angle_error == p->normal.angle_error);
+    for (int k = 0; k < q.nterms; k++) {
+        const kn_bezier *a = &q.term[k], *b = &p->term[k];
+        assert_int_equal(q.power[k], p->power[k]);
+        assert_true(a->nvars == b->nvars && a->ncomp == b->ncomp && a->rational == b->rational);
+        for (int v = 0; v < 2; v++) assert_int_equal(a->degree[v], b->degree[v]);
+    }
+    kn_shell_piece_clear(ctx, &q);
+}
+
 static void check_box(kn_ctx *ctx, tally *t, const kn_shell *shell, const int cell[2], const double lo[2],
                       const double hi[2], double line[2][2], int degree_sum, test_rng *rng)
 {
@@ -81,6 +102,7 @@ static void check_box(kn_ctx *ctx, tally *t, const kn_shell *shell, const int ce
     double domain[2][2], height = 0.25;
     if (kn_shell_piece_init(ctx, &p, &fits, shell, cell, lo, hi, degree_sum) != KN_OK)
         fail_msg("%s", kn_ctx_message(ctx));
+    check_outline(ctx, &p, fits, shell, cell, lo, hi, degree_sum);
     t->exact += fits && p.exact, t->stand_in += fits && !p.exact, t->none += !fits;
     if (!fits) {
         assert_null(p.term[0].coef);
@@ -241,6 +263,50 @@ static void neighbours_share_edges_bit_for_bit(void **state)
     test_ctx_end(ctx, &memory);
 }
 
+// Far more cells than lines of n: whole cells are exact, neighbours share edges, and n has the size that it has for
+// fewer cells.
+static void many_cells(void **state)
+{
+    (void)state;
+    enum { MOST = 3001 };
+    test_memory memory = TEST_MEMORY_INIT;
+    kn_ctx *ctx = test_ctx(&memory, 1);
+    test_rng rng = test_random(9);
+    const double zero[2] = {0, 0}, one[2] = {1, 1};
+    kn_spline s;
+    make_wavy(ctx, &s);
+    static double lines[MOST];
+    int points[2][2];
+    for (int round = 0; round < 2; round++) {
+        int n = round == 0 ? 1501 : MOST;
+        for (int i = 0; i < n; i++) lines[i] = 3.0 * i / (n - 1);
+        kn_shell *shell = NULL;
+        kn_shell_options o = {.normal_tol = 1e-3, .lines = {lines, lines}, .nlines = {n, n}};
+        assert_int_equal(kn_shell_create(ctx, &shell, &s, &o), KN_OK);
+        for (int v = 0; v < 2; v++) points[round][v] = kn_shell_normal(shell)->count[v];
+        for (int i = 0; i < 200; i++) {
+            kn_shell_piece a, b;
+            bool fits;
+            int var = i % 2, cell[2] = {test_int(&rng, 0, n - 3), test_int(&rng, 0, n - 3)};
+            int next[2] = {cell[0] + (var == 0), cell[1] + (var == 1)};
+            assert_int_equal(kn_shell_piece_init(ctx, &a, &fits, shell, cell, zero, one, 10), KN_OK);
+            assert_true(fits && a.exact);
+            assert_int_equal(kn_shell_piece_init(ctx, &b, &fits, shell, next, zero, one, 10), KN_OK);
+            assert_true(fits && b.exact);
+            for (int k = 0; k < 2; k++) assert_same_edge(&a.term[k], &b.term[k], var);
+            kn_shell_piece_clear(ctx, &a);
+            kn_shell_piece_clear(ctx, &b);
+        }
+        kn_shell_destroy(ctx, shell);
+    }
+    for (int v = 0; v < 2; v++) {
+        assert_int_equal(points[0][v], points[1][v]);
+        assert_true(points[0][v] < 128);
+    }
+    kn_spline_clear(ctx, &s);
+    test_ctx_end(ctx, &memory);
+}
+
 static void assert_same_piece(kn_ctx *ctx, kn_shell_piece *a, kn_shell_piece *b)
 {
     for (int k = 0; k < 2; k++) {
@@ -382,6 +448,7 @@ int main(void)
         cmocka_unit_test(pieces_are_the_shell),
         cmocka_unit_test(teapot_boxes),
         cmocka_unit_test(neighbours_share_edges_bit_for_bit),
+        cmocka_unit_test(many_cells),
         cmocka_unit_test(closed_directions_wrap),
         cmocka_unit_test(open_directions_extend),
         cmocka_unit_test(failures_are_told),
