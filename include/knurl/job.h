@@ -254,8 +254,8 @@ typedef struct kn_sink {
     kn_status (*end)(kn_ctx *ctx, void *user);
     void (*close)(kn_ctx *ctx, void *user);
     size_t (*bytes)(const void *user); // written so far; NULL: nothing to count
-    // For jobs that can be interrupted (kn_job_run_from); NULL: not with this sink. save, between two commits: *data =
-    // the state as *bytes bytes, for kn_free; what was written so far then stays when the sink is closed before its
+    // For jobs that can be interrupted (kn_job_run_from); NULL: not with this sink. save, between two commits: *data
+    // = the state as *bytes bytes from the context's allocator; what was written so far then stays when the sink is closed before its
     // end. restore, in place of begin, on a new sink of the same kind and path: as it was when that was saved.
     kn_status (*save)(kn_ctx *ctx, void *user, unsigned char **data, size_t *bytes);
     kn_status (*restore)(kn_ctx *ctx, void *user, const kn_tile *tile, const kn_job_report *report,

@@ -51,7 +51,7 @@ KN_API kn_shell_options kn_shell_defaults(void);
 
 // The shell of a surface (nvars 2, dim 3, polynomial or rational), which is copied. N is S_u x S_v over each knot
 // span, with the factors that vanish along its edges divided out exactly (of S = P/W: W^3 times it). The knots of n
-// contain the cell lines, and more lines where the tolerance asks for them.
+// contain the cell lines (of more than 64 in a variable a share of them), and more where the tolerance asks for it.
 // An edge whose control points agree to 1e-9 of S's size in each coordinate, but not as nearly as rounding leaves them,
 // is noise around a pole: in the shell's copy (kn_shell_surface) they become one point, the middle of theirs, and two
 // such edges that meet become one. S in use then differs from the caller's by no more than that, and so do the ends of
@@ -76,7 +76,7 @@ KN_API kn_shell_options kn_shell_defaults(void);
 //         it, in the parameters and in space), KN_EUNDECIDED (normal_tol not met within max_spans, or below about
 //         1e-12, what rounding leaves; a surface so wild that the search for points without a normal, or meeting the
 //         tolerance, would take some seconds: 1e9 (1e-6 / normal_tol)^(1/3) multiply-adds, four times that with an
-//         exact direction, for each span of S and 1 more), KN_ELIMIT (more cells than max_spans, max_degree above
+//         exact direction, for each span of S and 1 more), KN_ELIMIT (more knot spans than max_spans, max_degree above
 //         12, a degree p of S with 2 p - 1, of a rational S 3 p - 1, above KN_MAX_DEGREE - 3, with an exact
 //         direction above KN_MAX_DEGREE / 2 - 3: N and n are multiplied), KN_ENOMEM.
 // error:  kn_shell_certificate bounds the whole of it; docs/normals.md.
@@ -212,9 +212,9 @@ KN_API KN_CHECKED kn_status kn_shell_piece_init(kn_ctx *ctx, kn_shell_piece *out
                                                 int degree_sum);
 // The same answers, for who only wants to know what the piece is: where n is the shell's own inside the domain, terms
 // have their degrees and no coefficients (coef NULL). cost: then some 100 ns.
-KN_API KN_CHECKED kn_status kn_shell_piece_outline(kn_ctx *ctx, kn_shell_piece *out, bool *fits, const kn_shell *shell,
-                                                   const int cell[2], const double lo[2], const double hi[2],
-                                                   int degree_sum);
+KN_API KN_CHECKED kn_status kn_shell_piece_outline(kn_ctx *ctx, kn_shell_piece *out, bool *fits,
+                                                   const kn_shell *shell, const int cell[2], const double lo[2],
+                                                   const double hi[2], int degree_sum);
 KN_API void kn_shell_piece_clear(kn_ctx *ctx, kn_shell_piece *piece);
 
 // ---- the inverse ----
