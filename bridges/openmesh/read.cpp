@@ -260,6 +260,8 @@ kn_status look_at(kn_ctx *ctx, const char *path)
     else if (ends_in(path, ".stl") && binary && bytes - 84 < size_t(count) * 50)
         status = kn_fail(ctx, KN_EPARSE, "%s: %u triangles expected, but only %zu bytes follow", path, count,
                          bytes - 84);
+    else if (ends_in(path, ".ply") && std::string(text, bytes).find("\nend_header") == std::string::npos)
+        status = kn_fail(ctx, KN_EPARSE, "%s: the header has no end", path); // OpenMesh would look for it for ever
     kn_free(ctx, text);
     return status;
 }
@@ -285,10 +287,9 @@ kn_status kn_openmesh_read(kn_ctx *ctx, kn_mesh *out, const char *path)
 {
     if (!ends_in(path, ".obj") && !ends_in(path, ".stl") && !ends_in(path, ".ply") && !ends_in(path, ".off"))
         return kn_fail(ctx, KN_EDOMAIN, "%s: no mesh by its ending; .obj, .stl, .ply and .off are read", path);
-    kn_status status = look_at(ctx, path);
-    if (status != KN_OK) return status;
     try {
-        return read_mesh(ctx, out, path);
+        kn_status status = look_at(ctx, path);
+        return status == KN_OK ? read_mesh(ctx, out, path) : status;
     } catch (const std::bad_alloc &) {
         return kn_fail(ctx, KN_ENOMEM, "%s: no memory for the file's contents", path);
     } catch (const std::exception &e) {
