@@ -120,6 +120,7 @@ static bool make_tile(feed *f, kn_tile *tile)
         kn_spline_clear(f->ctx, &s);
     }
     feed_any(kn_tile_rotate(f->ctx, tile, feed_wild(f, 0, 5)));
+    feed_any(kn_tile_set_cell(f->ctx, tile, (const double[]){-0.5, 0, 1, 2}, feed_wild(f, -1, 3)));
     feed_any(kn_tile_check(f->ctx, tile));
     return true;
 }
