@@ -118,7 +118,9 @@ kn_status fail_at(kn_ctx *ctx, const char *text, const std::string &message, int
     }
     while (!line.empty() && (line.back() == '.' || line.back() == ' ')) line.pop_back();
     return kn_fail(ctx, KN_EPARSE, "expression '%.200s': %.200s, at %d", text, line.c_str(),
-                   1 + (at < 0 ? 0 : at > last ? last : at));
+                   1 + (at < 0      ? 0
+                        : at > last ? last
+                                    : at));
 }
 
 } // namespace
