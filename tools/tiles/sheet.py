@@ -22,7 +22,8 @@ THUMB = (320, 219)
 COLUMNS, LABEL, GAP = 5, 34, 12
 COUNT = dict(fur=5, chain=4, rope=4, straight=8, knurl=6, brick=4, rivet=5, dimples=6, studs=6, bump=6, thorn=5,
              leather=2, knit=5, basket=4, wicker1=4, wicker2=3, hexagon=4, bubblewrap=4, scale=5)
-SKIN = dict(fur=(0.26, 0.15, 0.07))
+SKIN = dict(fur=(0.26, 0.15, 0.07), ant=(0.36, 0.42, 0.24), bird=(0.08, 0.18, 0.32), fish=(0.05, 0.25, 0.28),
+            birdfish=(0.20, 0.08, 0.06))
 SHEET = "200 1 0 0\n3 0\n2 2\n0 0 1 1\n2 2\n0 0 1 1\n0 0 0  1 0 0  0 1 0  1 1 0\n"
 
 
