@@ -64,8 +64,10 @@ static void interval(double *lo, double *hi, int *shift, const kn_crossing *x, i
     double from = k > 0 ? x->line[var][k - 1] : -INFINITY, to = k < x->n[var] ? x->line[var][k] : INFINITY;
     double a = fmax(floor(x->lo[var] * 8.0) / 8.0, from), b = fmin(ceil(x->hi[var] * 8.0) / 8.0, to);
     if (!(b > a)) b = a + 0.125; // D lies on a line of eighths, and on no knot
-    double cell = floor(a);
-    if (whole && b <= cell + 1.0) a = cell, b = cell + 1.0;
+    const kn_job_surface *s = &x->plan->job->surfaces[x->place->surface];
+    double cell = floor(a), first = -x->place->cell[var], last = first + s->cells[var] - 1;
+    if (!s->closed[var]) cell = fmin(fmax(cell, first), last); // the end cells go on beyond the domain
+    if (whole && a >= cell && b <= cell + 1.0) a = cell, b = cell + 1.0;
     *shift = (int)cell;
     *lo = a - cell, *hi = b - cell;
 }
