@@ -31,9 +31,13 @@ void kn_job_coarsen(const kn_job *job, size_t cell, int segments[KN_JOB_VARS])
     }
 }
 
-size_t kn_job_triangles(int nvars, const int segments[KN_JOB_VARS])
+size_t kn_job_triangles(int nvars, const int segments[KN_JOB_VARS], uint8_t hidden)
 {
-    return nvars == 2 ? 2 * (size_t)segments[0] * (size_t)segments[1] : 0;
+    size_t sum = 0;
+    if (nvars == 2) return 2 * (size_t)segments[0] * (size_t)segments[1];
+    for (int face = 0; face < 6 && nvars == 3; face++)
+        if (!(hidden >> face & 1)) sum += 2 * (size_t)segments[face < 2 ? 1 : 0] * (size_t)segments[face < 4 ? 2 : 1];
+    return sum;
 }
 
 size_t kn_job_components(const kn_job_surface *s)

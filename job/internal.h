@@ -487,7 +487,7 @@ size_t kn_job_numbers(const int degree[KN_JOB_VARS]);
 void kn_job_segments(const kn_job *job, const kn_job_key *key, int segments[KN_JOB_VARS]);
 // Fewer of them, as far away as a cell is from the camera.
 void kn_job_coarsen(const kn_job *job, size_t cell, int segments[KN_JOB_VARS]);
-size_t kn_job_triangles(int nvars, const int segments[KN_JOB_VARS]);
+size_t kn_job_triangles(int nvars, const int segments[KN_JOB_VARS], uint8_t hidden);
 size_t kn_job_components(const kn_job_surface *s); // of its patches: 3, or 4 homogeneous ones
 
 #endif

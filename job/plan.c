@@ -140,7 +140,7 @@ static void count_leaf(kn_job_report *r, const kn_job *job, int nvars, const kn_
     r->patches += uses;
     r->exact_patches += key->exact ? uses : 0;
     r->control_points += uses * kn_job_numbers(degree);
-    if (!job->detail) r->triangles += uses * kn_job_triangles(nvars, segments); // else: count_coarse
+    if (nvars == 2 && !job->detail) r->triangles += uses * kn_job_triangles(nvars, segments, 0); // else: count_seen
     r->curves += nvars == 1 ? uses : 0;
     r->volumes += nvars == 3 ? uses : 0;
     int most = nvars == 3 ? larger(degree[0], larger(degree[1], degree[2])) : 0;
@@ -171,19 +171,27 @@ static void count_own(kn_job *job, kn_job_alike *to, const kn_job_cell_plan *pla
 
 // ---- merging ----
 
-// Triangles of the patches of cells that each have their own detail.
-static void count_coarse(kn_job *job, const entry *e)
+// Triangles of volumes, of which each cell shows other faces, and of cells that each have their own detail.
+static kn_status count_seen(kn_ctx *ctx, kn_job *job, const entry *e)
 {
-    for (size_t cell = e->first_cell; job->detail && cell < e->first_cell + e->cells; cell++)
-        for (int i = 0; i < e->plan.count; i++) {
-            const kn_job_leaf *leaf = &e->plan.leaves[i];
-            int segments[KN_JOB_VARS];
-            if (leaf->mesh.position) continue;
+    kn_status status = KN_OK;
+    for (int i = 0; status == KN_OK && i < e->plan.count; i++) {
+        const kn_job_leaf *leaf = &e->plan.leaves[i];
+        if (leaf->mesh.position) continue;
+        const kn_job_patch *patch = kn_job_leaf_patch(&e->plan, leaf);
+        int nvars = leaf->made.coef ? leaf->made.nvars : patch->d.nvars;
+        if (nvars != 3 && !job->detail) continue; // count_leaf
+        for (size_t cell = e->first_cell; status == KN_OK && cell < e->first_cell + e->cells; cell++) {
+            int segments[KN_JOB_VARS], surface, at[2];
+            uint8_t hidden = 0;
             kn_job_segments(job, &leaf->key, segments);
             kn_job_coarsen(job, cell, segments);
-            int nvars = leaf->made.coef ? leaf->made.nvars : kn_job_leaf_patch(&e->plan, leaf)->d.nvars;
-            job->report.triangles += kn_job_triangles(nvars, segments);
+            kn_job_locate(job, cell, &surface, at);
+            if (nvars == 3) status = kn_job_hide_faces(ctx, &hidden, job, patch, &leaf->key.rect, surface, at);
+            if (status == KN_OK) job->report.triangles += kn_job_triangles(nvars, segments, hidden);
         }
+    }
+    return status;
 }
 
 static kn_status merge(kn_ctx *ctx, planning *p, const entry *e)
@@ -210,9 +218,8 @@ static kn_status merge(kn_ctx *ctx, planning *p, const entry *e)
         *last = (kn_job_alike){.first_cell = e->first_cell, .list = list};
     }
     if (list == KN_JOB_OWN) count_own(job, last, plan);
-    count_coarse(job, e);
     if (plan->there) job->report.cells += e->cells;
-    return KN_OK;
+    return count_seen(ctx, job, e);
 }
 
 static kn_status commit(kn_ctx *ctx, void *user, size_t index, void *made)

@@ -111,7 +111,8 @@ static void place_and_select(feed *f, kn_job_options *o)
         o->select.skip[v] = feed_int(f, 0, 3);
     }
     o->placement.stagger[feed_byte(f) % 2] = feed_byte(f) % 2 ? 0.5 : 0.0;
-    o->placement.scatter = (kn_job_scatter){.distance = feed_byte(f) % 4 ? 0.0 : 0.3, .seed = feed_byte(f)};
+    unsigned char seed = (unsigned char)feed_byte(f);
+    o->placement.scatter = (kn_job_scatter){.distance = feed_byte(f) % 4 ? 0.0 : 0.3, .seed = seed};
     o->select.slab = feed_byte(f) % 4 == 0;
     o->select.slab_z[0] = feed_number(f), o->select.slab_z[1] = feed_number(f);
 }

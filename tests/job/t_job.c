@@ -123,6 +123,16 @@ static void check_against_direct(kn_ctx *ctx, const kn_job *job, const kn_spline
     }
 }
 
+// Of a surface, or of the faces of a volume that are to be seen.
+static size_t shown_triangles(const kn_patch *p)
+{
+    size_t n[3] = {(size_t)p->segments[0], (size_t)p->segments[1], (size_t)p->segments[2]}, sum = 0;
+    if (p->bezier.nvars == 2) return 2 * n[0] * n[1];
+    for (int face = 0; face < 6 && p->bezier.nvars == 3; face++)
+        if (!(p->hidden & 1 << face)) sum += 2 * n[(face / 2 + 1) % 3] * n[(face / 2 + 2) % 3];
+    return sum;
+}
+
 // The report says what the sink sees.
 static void check_report(const kn_job *job, const scene_result *r)
 {
@@ -133,7 +143,7 @@ static void check_report(const kn_job *job, const scene_result *r)
         const kn_patch *p = &r->patches[i];
         points += kn_bezier_count(&p->bezier);
         exact += p->exact;
-        triangles += 2 * (size_t)p->segments[0] * (size_t)p->segments[1];
+        triangles += shown_triangles(p);
         for (int d = 0; d < 2; d++) degree[d] = p->bezier.degree[d] > degree[d] ? p->bezier.degree[d] : degree[d];
         assert_int_equal(p->reversed, report.height < 0);
         assert_true(p->segments[0] >= 1 && p->segments[1] >= 1);
