@@ -47,7 +47,7 @@ static kn_status make_base(kn_ctx *ctx, kn_spline *out)
 }
 
 typedef struct product {
-    double *c, *a, *packed, **to;
+    double *c, *a, *packed, *work, **to;
     const double **from;
     size_t k, n;
 } product;
@@ -55,7 +55,7 @@ typedef struct product {
 static void multiply(void *user)
 {
     product *p = user;
-    for (int i = 0; i < 200; i++) kn_gemm(p->to, p->from, ROWS, p->packed, p->k, p->n);
+    for (int i = 0; i < 200; i++) kn_gemm(p->to, p->from, ROWS, p->packed, p->k, p->n, p->work);
 }
 
 // The product of one tile patch with 16 cells: k control points of S and n, n composed ones.
@@ -64,18 +64,19 @@ static double product_rate(size_t k, size_t n)
     product p = {calloc(ROWS * n, sizeof(double)),
                  calloc(ROWS * k, sizeof(double)),
                  calloc(kn_gemm_room(k, n), sizeof(double)),
+                 calloc(ROWS * k, sizeof(double)),
                  calloc(ROWS, sizeof(double *)),
                  calloc(ROWS, sizeof(double *)),
                  k,
                  n};
-    if (!p.c || !p.a || !p.packed || !p.to || !p.from) exit(1);
+    if (!p.c || !p.a || !p.packed || !p.work || !p.to || !p.from) exit(1);
     for (size_t i = 0; i < ROWS; i++) {
         p.to[i] = p.c + i * n;
         p.from[i] = p.a + i * k;
     }
     bench_rival rival = {.name = "product", .work = multiply, .user = &p};
     bench_compare(&rival, 1, BENCH_THREAD);
-    free(p.c), free(p.a), free(p.packed), free(p.to), free(p.from);
+    free(p.c), free(p.a), free(p.packed), free(p.work), free(p.to), free(p.from);
     return 200.0 * 2.0 * ROWS * (double)k * (double)n / rival.seconds;
 }
 

@@ -249,14 +249,14 @@ static kn_status combine(kn_ctx *ctx, double *out, const double *a, const double
     double *packed = kn_scratch(ctx, kn_gemm_room(width, n), sizeof *packed);
     double **to = kn_scratch(ctx, rows, sizeof *to);
     const double **from = kn_scratch(ctx, rows, sizeof *from);
-    if (!packed || !to || !from) return KN_ENOMEM;
+    double *work = kn_scratch(ctx, rows * width, sizeof *work);
+    if (!packed || !to || !from || !work) return KN_ENOMEM;
     kn_gemm_pack(packed, basis, width, n, n, 1);
     for (size_t i = 0; i < rows; i++) {
         to[i] = out + i * n;
         from[i] = a + i * width;
     }
-    memset(out, 0, rows * n * sizeof *out);
-    kn_gemm(to, from, rows, packed, width, n);
+    kn_gemm(to, from, rows, packed, width, n, work);
     return KN_OK;
 }
 

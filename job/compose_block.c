@@ -119,32 +119,36 @@ static int compare_order(const void *a, const void *b)
 }
 
 // Patches of one key, one matrix product: a row for each component of each patch.
-static void multiply(const composer *c, const uint64_t *order, size_t n, double **to, const double **from)
+static kn_status multiply(kn_ctx *ctx, const composer *c, const uint64_t *order, size_t n)
 {
     const kn_job_matrix *m = &c->matrices[order[0] >> 32];
-    size_t ncomp = (size_t)c->ncomp;
-    for (size_t i = 0; i < n; i++) {
+    size_t ncomp = (size_t)c->ncomp, rows = n * ncomp;
+    kn_mark mark = kn_scratch_mark(ctx);
+    double **to = kn_scratch(ctx, rows, sizeof *to), *work = kn_scratch(ctx, rows * m->k, sizeof *work);
+    const double **from = kn_scratch(ctx, rows, sizeof *from);
+    for (size_t i = 0; to && from && work && i < n; i++) {
         size_t patch = order[i] & UINT32_MAX;
         for (size_t k = 0; k < ncomp; k++) {
             to[i * ncomp + k] = c->product->patches[patch].bezier.coef + k * m->n;
             from[i * ncomp + k] = c->operand[patch] + k * m->k;
         }
     }
-    kn_gemm(to, from, n * ncomp, m->packed, m->k, m->n);
+    if (to && from && work) kn_gemm(to, from, rows, m->packed, m->k, m->n, work);
+    kn_scratch_release(ctx, mark);
+    return to && from && work ? KN_OK : KN_ENOMEM;
 }
 
 static kn_status multiply_all(kn_ctx *ctx, composer *c)
 {
-    size_t rows = (size_t)c->ncomp * c->norder;
-    double **to = kn_scratch(ctx, rows, sizeof *to);
-    const double **from = kn_scratch(ctx, rows, sizeof *from);
-    if (!to || !from) return KN_ENOMEM;
-    if (c->norder > 0) qsort(c->order, c->norder, sizeof *c->order, compare_order);
-    for (size_t i = 0, n; i < c->norder; i += n) {
+    bool sorted = true; // as they are where all cells ask for one key
+    for (size_t i = 1; i < c->norder; i++) sorted = sorted && c->order[i - 1] < c->order[i];
+    if (!sorted) qsort(c->order, c->norder, sizeof *c->order, compare_order);
+    kn_status status = KN_OK;
+    for (size_t i = 0, n; status == KN_OK && i < c->norder; i += n) {
         for (n = 1; i + n < c->norder && c->order[i + n] >> 32 == c->order[i] >> 32;) n++;
-        multiply(c, c->order + i, n, to, from);
+        status = multiply(ctx, c, c->order + i, n);
     }
-    return KN_OK;
+    return status;
 }
 
 // ---- cells that share a list ----
@@ -212,10 +216,12 @@ static kn_status compose_alone(kn_ctx *ctx, const composer *c, const kn_job_key 
     kn_mark mark = kn_scratch_mark(ctx);
     const double *from = piece_rows(ctx, piece, c->ncomp);
     kn_status status = from ? kn_job_make_matrix(ctx, &m, d, key, rows) : KN_ENOMEM;
+    double *work = status == KN_OK ? kn_scratch(ctx, m.k, sizeof *work) : NULL;
+    if (status == KN_OK && !work) status = KN_ENOMEM;
     for (size_t k = 0; status == KN_OK && k < (size_t)c->ncomp; k++) {
         double *to = patch->bezier.coef + k * m.n;
         const double *row = from + k * m.k;
-        kn_gemm(&to, &row, 1, m.packed, m.k, m.n);
+        kn_gemm(&to, &row, 1, m.packed, m.k, m.n, work);
     }
     kn_free(ctx, m.packed);
     kn_scratch_release(ctx, mark);
@@ -307,7 +313,7 @@ kn_status kn_job_compose_block(kn_ctx *ctx, kn_job_product *out, const kn_job *j
     kn_job_locate(job, b->first_cell, &c.surface, cell);
     c.pieces.job = job;
     c.ncomp = (int)kn_job_components(&job->surfaces[c.surface]);
-    p.coef = kn_alloc_zero(ctx, b->numbers > 0 ? b->numbers : 1, sizeof *p.coef);
+    p.coef = kn_alloc(ctx, b->numbers, sizeof *p.coef); // every number is written below
     kn_mark mark = kn_scratch_mark(ctx);
     c.order = kn_scratch(ctx, b->npatches, sizeof *c.order);
     c.operand = kn_scratch(ctx, b->npatches, sizeof *c.operand);

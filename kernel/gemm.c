@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// C += A B: panels of PANEL columns of B stay in the first cache while blocks of rows of A pass over them.
+// C = A B: panels of PANEL columns of B stay in the first cache while blocks of rows of A pass over them.
 #include "kernel/gemm.h"
 
 #include <string.h>
@@ -33,54 +33,63 @@ void kn_gemm_pack(double *packed, const double *b, size_t k, size_t n, size_t ro
             for (size_t j = 0; j < PANEL; j++) packed[j] = first + j < n ? b[p * row + (first + j) * column] : 0.0;
 }
 
-// A block: c[i][at .. at + PANEL-1] += a[i] times a panel, for i < rows <= the kind's most rows.
-typedef void (*block)(double *const *c, size_t at, const double *const *a, int rows, const double *b, size_t k);
+// A block: c[i][at .. at + PANEL-1] = row i of A times a panel, i < rows <= MOST_ROWS, where A(i, p) is a[p * stride + i]:
+// one pointer to the numbers of all rows, for there are not registers for a pointer to each.
+typedef void (*block)(double *const *c, size_t at, const double *a, int rows, size_t stride, const double *b,
+                      size_t k);
 
-static void block_plain(double *const *c, size_t at, const double *const *a, int rows, const double *b, size_t k)
+static void block_plain(double *const *c, size_t at, const double *a, int rows, size_t stride, const double *b,
+                        size_t k)
 {
-    for (int i = 0; i < rows; i++)
+    for (int i = 0; i < rows; i++) {
+        double s[PANEL] = {0.0};
         for (size_t p = 0; p < k; p++)
-            for (int j = 0; j < PANEL; j++) c[i][at + (size_t)j] += a[i][p] * b[p * PANEL + (size_t)j];
+            for (int j = 0; j < PANEL; j++) s[j] += a[p * stride + (size_t)i] * b[p * PANEL + (size_t)j];
+        memcpy(c[i] + at, s, sizeof s);
+    }
 }
 
 #if KN_X86
 #define INLINE static inline __attribute__((always_inline))
 
 // Each is inlined with a constant number of rows, so that the sums live in registers.
-INLINE void rows_sse2(double *const *c, size_t at, const double *const *a, int rows, const double *b, size_t k)
+INLINE void rows_sse2(double *const *c, size_t at, const double *a, int rows, size_t stride, const double *b,
+                      size_t k)
 {
     for (int half = 0; half < PANEL; half += 8) {
         __m128d s[3][4];
         for (int i = 0; i < rows; i++)
-            for (int j = 0; j < 4; j++) s[i][j] = _mm_loadu_pd(c[i] + at + half + 2 * j);
+            for (int j = 0; j < 4; j++) s[i][j] = _mm_setzero_pd();
         for (size_t p = 0; p < k; p++)
             for (int j = 0; j < 4; j++) {
                 __m128d bj = _mm_loadu_pd(b + p * PANEL + half + 2 * j);
-                for (int i = 0; i < rows; i++) s[i][j] = _mm_add_pd(s[i][j], _mm_mul_pd(_mm_set1_pd(a[i][p]), bj));
+                for (int i = 0; i < rows; i++)
+                    s[i][j] = _mm_add_pd(s[i][j], _mm_mul_pd(_mm_set1_pd(a[p * stride + (size_t)i]), bj));
             }
         for (int i = 0; i < rows; i++)
             for (int j = 0; j < 4; j++) _mm_storeu_pd(c[i] + at + half + 2 * j, s[i][j]);
     }
 }
 
-static void block_sse2(double *const *c, size_t at, const double *const *a, int rows, const double *b, size_t k)
+static void block_sse2(double *const *c, size_t at, const double *a, int rows, size_t stride, const double *b,
+                       size_t k)
 {
     int i = 0;
-    for (; i + 3 <= rows; i += 3) rows_sse2(c + i, at, a + i, 3, b, k);
-    for (; i < rows; i++) rows_sse2(c + i, at, a + i, 1, b, k);
+    for (; i + 3 <= rows; i += 3) rows_sse2(c + i, at, a + i, 3, stride, b, k);
+    for (; i < rows; i++) rows_sse2(c + i, at, a + i, 1, stride, b, k);
 }
 
-__attribute__((target("avx2,fma"))) INLINE void rows_avx2(double *const *c, size_t at, const double *const *a,
-                                                          int rows, const double *b, size_t k)
+__attribute__((target("avx2,fma"))) INLINE void rows_avx2(double *const *c, size_t at, const double *a, int rows,
+                                                          size_t stride, const double *b, size_t k)
 {
     for (int half = 0; half < PANEL; half += 8) {
         __m256d s[6][2];
         for (int i = 0; i < rows; i++)
-            for (int j = 0; j < 2; j++) s[i][j] = _mm256_loadu_pd(c[i] + at + half + 4 * j);
+            for (int j = 0; j < 2; j++) s[i][j] = _mm256_setzero_pd();
         for (size_t p = 0; p < k; p++) {
             __m256d b0 = _mm256_loadu_pd(b + p * PANEL + half), b1 = _mm256_loadu_pd(b + p * PANEL + half + 4);
             for (int i = 0; i < rows; i++) {
-                __m256d ai = _mm256_broadcast_sd(a[i] + p);
+                __m256d ai = _mm256_broadcast_sd(a + p * stride + i);
                 s[i][0] = _mm256_fmadd_pd(ai, b0, s[i][0]);
                 s[i][1] = _mm256_fmadd_pd(ai, b1, s[i][1]);
             }
@@ -90,25 +99,28 @@ __attribute__((target("avx2,fma"))) INLINE void rows_avx2(double *const *c, size
     }
 }
 
-__attribute__((target("avx2,fma"))) static void block_avx2(double *const *c, size_t at, const double *const *a,
-                                                           int rows, const double *b, size_t k)
+__attribute__((target("avx2,fma"))) static void block_avx2(double *const *c, size_t at, const double *a, int rows,
+                                                           size_t stride, const double *b, size_t k)
 {
     int i = 0;
-    for (; i + 6 <= rows; i += 6) rows_avx2(c + i, at, a + i, 6, b, k);
-    for (; i + 3 <= rows; i += 3) rows_avx2(c + i, at, a + i, 3, b, k);
-    for (; i < rows; i++) rows_avx2(c + i, at, a + i, 1, b, k);
+    for (; i + 6 <= rows; i += 6) rows_avx2(c + i, at, a + i, 6, stride, b, k);
+    for (; i + 3 <= rows; i += 3) rows_avx2(c + i, at, a + i, 3, stride, b, k);
+    for (; i < rows; i++) rows_avx2(c + i, at, a + i, 1, stride, b, k);
 }
 
-__attribute__((target("avx512f"))) INLINE void rows_avx512(double *const *c, size_t at, const double *const *a,
-                                                           int rows, const double *b, size_t k)
+__attribute__((target("avx512f"))) INLINE void rows_avx512(double *const *c, size_t at, const double *a, int rows,
+                                                           size_t stride, const double *b, size_t k)
 {
     __m512d s[MOST_ROWS][2];
-    for (int i = 0; i < rows; i++)
-        for (int j = 0; j < 2; j++) s[i][j] = _mm512_loadu_pd(c[i] + at + 8 * j);
-    for (size_t p = 0; p < k; p++) {
-        __m512d b0 = _mm512_loadu_pd(b + p * PANEL), b1 = _mm512_loadu_pd(b + p * PANEL + 8);
+    for (int i = 0; i < rows; i++) {
+        __builtin_prefetch(c[i] + at, 1); // there when the sums are
+        __builtin_prefetch(c[i] + at + PANEL - 1, 1);
+        for (int j = 0; j < 2; j++) s[i][j] = _mm512_setzero_pd();
+    }
+    for (size_t p = 0; p < k; p++, a += stride, b += PANEL) {
+        __m512d b0 = _mm512_loadu_pd(b), b1 = _mm512_loadu_pd(b + 8);
         for (int i = 0; i < rows; i++) {
-            __m512d ai = _mm512_set1_pd(a[i][p]);
+            __m512d ai = _mm512_set1_pd(a[i]);
             s[i][0] = _mm512_fmadd_pd(ai, b0, s[i][0]);
             s[i][1] = _mm512_fmadd_pd(ai, b1, s[i][1]);
         }
@@ -117,14 +129,14 @@ __attribute__((target("avx512f"))) INLINE void rows_avx512(double *const *c, siz
         for (int j = 0; j < 2; j++) _mm512_storeu_pd(c[i] + at + 8 * j, s[i][j]);
 }
 
-__attribute__((target("avx512f"))) static void block_avx512(double *const *c, size_t at, const double *const *a,
-                                                            int rows, const double *b, size_t k)
+__attribute__((target("avx512f"))) static void block_avx512(double *const *c, size_t at, const double *a, int rows,
+                                                            size_t stride, const double *b, size_t k)
 {
     int i = 0;
-    for (; i + 12 <= rows; i += 12) rows_avx512(c + i, at, a + i, 12, b, k);
-    for (; i + 6 <= rows; i += 6) rows_avx512(c + i, at, a + i, 6, b, k);
-    for (; i + 3 <= rows; i += 3) rows_avx512(c + i, at, a + i, 3, b, k);
-    for (; i < rows; i++) rows_avx512(c + i, at, a + i, 1, b, k);
+    for (; i + 12 <= rows; i += 12) rows_avx512(c + i, at, a + i, 12, stride, b, k);
+    for (; i + 6 <= rows; i += 6) rows_avx512(c + i, at, a + i, 6, stride, b, k);
+    for (; i + 3 <= rows; i += 3) rows_avx512(c + i, at, a + i, 3, stride, b, k);
+    for (; i < rows; i++) rows_avx512(c + i, at, a + i, 1, stride, b, k);
 }
 #endif
 
@@ -150,22 +162,33 @@ static block block_of(kn_gemm_kind kind)
     return block_plain;
 }
 
-// The last panel may reach beyond column n: its block works on copies of the rows.
-static void last_panel(block run, double *const *c, size_t at, size_t columns, const double *const *a, int rows,
+// The last panel may reach beyond column n: its block works on rows of its own.
+static void last_panel(block run, double *const *c, size_t at, size_t columns, const double *a, int rows,
                        const double *b, size_t k)
 {
-    double copy[MOST_ROWS][PANEL] = {{0.0}}, *row[MOST_ROWS];
+    double copy[MOST_ROWS][PANEL], *row[MOST_ROWS];
     for (int i = 0; i < MOST_ROWS; i++) row[i] = copy[i];
-    for (int i = 0; i < rows; i++) memcpy(copy[i], c[i] + at, columns * sizeof(double));
-    run(row, 0, a, rows, b, k);
+    run(row, 0, a, rows, (size_t)rows, b, k);
     for (int i = 0; i < rows; i++) memcpy(c[i] + at, copy[i], columns * sizeof(double));
 }
 
+// Blocks of MOST_ROWS rows, or what is left, one after the other: k times a number of each.
+static void gather_rows(double *to, const double *const *a, size_t rows, size_t k)
+{
+    for (size_t first = 0; first < rows; first += MOST_ROWS) {
+        size_t m = rows - first < MOST_ROWS ? rows - first : MOST_ROWS;
+        for (size_t i = 0; i < m; i++)
+            for (size_t p = 0; p < k; p++) to[p * m + i] = a[first + i][p];
+        to += m * k;
+    }
+}
+
 void kn_gemm_as(kn_gemm_kind kind, double *const *c, const double *const *a, size_t rows, const double *packed,
-                size_t k, size_t n)
+                size_t k, size_t n, double *work)
 {
     block run = block_of(kind);
     size_t together = k * n <= NUMBERS_TOGETHER ? ROWS_TOGETHER : rows;
+    gather_rows(work, a, rows, k);
     for (size_t first = 0; first < rows; first += together) {
         size_t end = rows - first < together ? rows : first + together;
         const double *panel = packed;
@@ -173,14 +196,15 @@ void kn_gemm_as(kn_gemm_kind kind, double *const *c, const double *const *a, siz
             for (size_t i = first; i < end; i += MOST_ROWS) {
                 int m = end - i < MOST_ROWS ? (int)(end - i) : MOST_ROWS;
                 if (at + PANEL <= n)
-                    run(c + i, at, a + i, m, panel, k);
+                    run(c + i, at, work + i * k, m, (size_t)m, panel, k);
                 else
-                    last_panel(run, c + i, at, n - at, a + i, m, panel, k);
+                    last_panel(run, c + i, at, n - at, work + i * k, m, panel, k);
             }
     }
 }
 
-void kn_gemm(double *const *c, const double *const *a, size_t rows, const double *packed, size_t k, size_t n)
+void kn_gemm(double *const *c, const double *const *a, size_t rows, const double *packed, size_t k, size_t n,
+             double *work)
 {
-    kn_gemm_as(kn_gemm_best(), c, a, rows, packed, k, n);
+    kn_gemm_as(kn_gemm_best(), c, a, rows, packed, k, n, work);
 }

@@ -11,7 +11,7 @@
 
 typedef struct problem {
     size_t rows, k, n;
-    double *a, *b, *c, *packed; // row-major; c has a guard number after each row
+    double *a, *b, *c, *packed, *work; // row-major; c has a guard number after each row
     double **c_row;
     const double **a_row;
 } problem;
@@ -23,9 +23,10 @@ static problem make(size_t rows, size_t k, size_t n)
     p.b = calloc(k * n + 1, sizeof(double));
     p.c = calloc(rows * (n + 1) + 1, sizeof(double));
     p.packed = calloc(kn_gemm_room(k, n) + 1, sizeof(double));
+    p.work = calloc(rows * k + 1, sizeof(double));
     p.c_row = calloc(rows + 1, sizeof *p.c_row);
     p.a_row = calloc(rows + 1, sizeof *p.a_row);
-    assert_true(p.a && p.b && p.c && p.packed && p.c_row && p.a_row);
+    assert_true(p.a && p.b && p.c && p.packed && p.work && p.c_row && p.a_row);
     for (size_t i = 0; i < rows; i++) {
         p.c_row[i] = p.c + i * (n + 1);
         p.a_row[i] = p.a + i * k;
@@ -35,7 +36,7 @@ static problem make(size_t rows, size_t k, size_t n)
 
 static void end(problem *p)
 {
-    free(p->a), free(p->b), free(p->c), free(p->packed), free(p->c_row), free(p->a_row);
+    free(p->a), free(p->b), free(p->c), free(p->packed), free(p->work), free(p->c_row), free(p->a_row);
 }
 
 static bool has(kn_gemm_kind kind)
@@ -56,10 +57,10 @@ static void exact_on_integers(void **state)
         for (kn_gemm_kind kind = KN_GEMM_PLAIN; kind < KN_GEMM_KINDS; kind++) {
             if (!has(kind)) continue;
             for (size_t i = 0; i < p.rows * (p.n + 1); i++) p.c[i] = (double)(i % 7);
-            kn_gemm_as(kind, p.c_row, p.a_row, p.rows, p.packed, p.k, p.n);
+            kn_gemm_as(kind, p.c_row, p.a_row, p.rows, p.packed, p.k, p.n, p.work);
             for (size_t i = 0; i < p.rows; i++) {
                 for (size_t j = 0; j < p.n; j++) {
-                    double sum = (double)((i * (p.n + 1) + j) % 7);
+                    double sum = 0.0; // whatever C was before
                     for (size_t q = 0; q < p.k; q++) sum += p.a[i * p.k + q] * p.b[q * p.n + j];
                     assert_true(p.c_row[i][j] == sum);
                 }
@@ -99,8 +100,8 @@ static void kinds_agree_within_the_bound(void **state)
     kn_gemm_pack(p.packed, p.b, p.k, p.n, p.n, 1);
     for (kn_gemm_kind kind = KN_GEMM_PLAIN; kind < KN_GEMM_KINDS; kind++) {
         if (!has(kind)) continue;
-        memset(p.c, 0, p.rows * (p.n + 1) * sizeof(double));
-        kn_gemm_as(kind, p.c_row, p.a_row, p.rows, p.packed, p.k, p.n);
+        memset(p.c, 0x7f, p.rows * (p.n + 1) * sizeof(double));
+        kn_gemm_as(kind, p.c_row, p.a_row, p.rows, p.packed, p.k, p.n, p.work);
         for (size_t i = 0; i < p.rows; i++)
             for (size_t j = 0; j < p.n; j++) {
                 long double sum = 0, size = 0;
@@ -127,15 +128,16 @@ static void independent_of_blocks(void **state)
     kn_gemm_pack(p.packed, p.b, p.k, p.n, p.n, 1);
     for (kn_gemm_kind kind = KN_GEMM_PLAIN; kind < KN_GEMM_KINDS; kind++) {
         if (!has(kind)) continue;
-        memset(p.c, 0, p.rows * (p.n + 1) * sizeof(double));
-        memset(one.c, 0, p.rows * (p.n + 1) * sizeof(double));
-        kn_gemm_as(kind, p.c_row, p.a_row, p.rows, p.packed, p.k, p.n);
-        for (size_t i = 0; i < p.rows; i++) kn_gemm_as(kind, one.c_row + i, p.a_row + i, 1, p.packed, p.k, p.n);
+        memset(p.c, 0x7f, p.rows * (p.n + 1) * sizeof(double));
+        memset(one.c, 0x7f, p.rows * (p.n + 1) * sizeof(double));
+        kn_gemm_as(kind, p.c_row, p.a_row, p.rows, p.packed, p.k, p.n, p.work);
+        for (size_t i = 0; i < p.rows; i++)
+            kn_gemm_as(kind, one.c_row + i, p.a_row + i, 1, p.packed, p.k, p.n, p.work);
         assert_memory_equal(one.c, p.c, p.rows * (p.n + 1) * sizeof(double));
 
         kn_gemm_pack(one.packed, p.b, p.k, 20, p.n, 1);
-        memset(one.c, 0, p.rows * (p.n + 1) * sizeof(double));
-        kn_gemm_as(kind, one.c_row, p.a_row, p.rows, one.packed, p.k, 20);
+        memset(one.c, 0x7f, p.rows * (p.n + 1) * sizeof(double));
+        kn_gemm_as(kind, one.c_row, p.a_row, p.rows, one.packed, p.k, 20, p.work);
         for (size_t i = 0; i < p.rows; i++) assert_memory_equal(one.c_row[i], p.c_row[i], 20 * sizeof(double));
     }
     end(&p);
