@@ -66,7 +66,8 @@ kn_status kn_job_add_leaf(kn_ctx *ctx, kn_job_cell_plan *plan, kn_job_leaf *leaf
             plan->stand_in = fmax(plan->stand_in, piece->deviation * kn_job_leaf_patch(plan, leaf)->top);
     }
     bool shifted = leaf->shift[0] != 0 || leaf->shift[1] != 0;
-    if (leaf->own || leaf->alone || shifted || leaf->trim.nloops > 0 || leaf->made.coef || leaf->mesh.position) plan->shared = false;
+    if (leaf->own || leaf->alone || shifted || leaf->trim.nloops > 0 || leaf->made.coef || leaf->mesh.position)
+        plan->shared = false;
     count_trim(plan, &leaf->trim);
     plan->leaves[plan->count++] = *leaf;
     leaf->trim = (kn_trim){0};

@@ -18,7 +18,7 @@ typedef struct kn_direction {
 typedef struct kn_shell_field {
     kn_spline whole;
     kn_bezier *span; // nspans of them
-    int power;              // of w
+    int power;       // of w
 } kn_shell_field;
 
 typedef enum kn_shell_kind {

@@ -292,7 +292,7 @@ static void bases_are_named(void **state)
     assert_int_equal(run("apply '%s' --tile bump --count 1 --dry-run", path), 3);
     assert_non_null(strstr(complained, "cusp.g2: "));
 
-    test_tmp_path(path, "line.g2"); // as a tile
+    test_tmp_path(path, "line.g2");                                   // as a tile
     write_text(path, "100 1 0 0\n3 0\n2 2\n0 0 1 1\n1 0 0\n1 0 0\n"); // no length
     assert_int_equal(run("apply data/teapot.bpt --tile '%s' --dry-run", path), 3);
     assert_non_null(strstr(complained, "line.g2: "));

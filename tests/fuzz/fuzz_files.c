@@ -15,7 +15,7 @@ static void write_file(const char *path, const uint8_t *data, size_t size)
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
-    static const char *const endings[] = {".g2", ".bpt", ".G2", ".txt"};
+    static const char *const endings[] = {".g2", ".bpt", ".itd", ".txt"};
     feed f = feed_begin(data, size);
     char path[64];
     int which = feed_byte(&f);
@@ -25,10 +25,11 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     kn_tile tile = {0};
     const double cell[4] = {-1.0, 0.0, 1.0, which & 128 ? 2.0 : -2.0};
     kn_status status = KN_OK;
-    switch (which / 4 % 4) {
+    switch (which / 4 % 5) {
     case 0: status = kn_read_model(f.ctx, &model, path); break;
     case 1: status = kn_read_g2(f.ctx, &model, path); break;
     case 2: status = kn_read_bpt(f.ctx, &model, path); break;
+    case 3: status = kn_read_itd(f.ctx, &model, path); break;
     default: status = kn_read_tile(f.ctx, &tile, path, which & 64 ? cell : NULL); break;
     }
     remove(path);

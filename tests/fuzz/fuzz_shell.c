@@ -136,6 +136,31 @@ static kn_status open_sink(feed *f, kn_sink *sink)
     }
 }
 
+static kn_status keep_nothing(kn_ctx *ctx, void *user, const unsigned char *state, size_t bytes)
+{
+    (void)ctx, (void)user;
+    return state && bytes > 0 ? KN_OK : KN_EDOMAIN;
+}
+
+// A whole run, one of some cells, and runs that are noted or go on from bytes that no run has noted.
+static void run_sink(feed *f, const kn_job *job, kn_sink *sink)
+{
+    const kn_cell_range ranges[2] = {{(size_t)feed_int(f, 0, 1), (size_t)feed_int(f, 0, 2)}, {2, 1}};
+    unsigned char state[64];
+    switch (feed_byte(f) % 4) {
+    case 0: feed_any(kn_job_run_cells(f->ctx, job, ranges, 1 + (size_t)feed_byte(f) % 2, sink, 1)); break;
+    case 1: {
+        for (size_t i = 0; i < sizeof state; i++) state[i] = (unsigned char)feed_byte(f);
+        kn_job_notes notes = {.note = keep_nothing, .seconds = -1.0};
+        if (feed_byte(f) % 2) notes.state = state, notes.bytes = 1 + (size_t)feed_int(f, 0, 63);
+        feed_any(kn_job_run_from(f->ctx, job, sink, 1, &notes));
+        break;
+    }
+    case 2: feed_any(kn_run_with_journal(f->ctx, job, sink, 1, "/dev/null/none.journal", false, 0.0, 0)); break;
+    default: feed_any(kn_job_run(f->ctx, job, sink, 1));
+    }
+}
+
 static void run_job(feed *f, kn_job *job)
 {
     kn_job_report report = kn_job_describe(job);
@@ -154,7 +179,7 @@ static void run_job(feed *f, kn_job *job)
     if (kn_job_tile(job)->nparts < 1 || !kn_job_shell(job, 0) || !kn_job_lines(job, 0, 1)) abort();
     if (kn_job_lines(job, id.surface + 2, 0) && id.surface + 2 >= report.nsurfaces) abort();
     if (report.patches > 200 || open_sink(f, &sink) != KN_OK) return;
-    feed_any(kn_job_run(f->ctx, job, &sink, 1));
+    run_sink(f, job, &sink);
     kn_sink_close(f->ctx, &sink);
 }
 
