@@ -7,16 +7,20 @@
 #include <knurl/base.h>
 #include <string.h>
 
-// B^k_i = (1-t) B^(k-1)_i + t B^(k-1)_(i-1): only sums of non-negative numbers for t in [0,1].
-void kn_bernstein_basis(double *basis, int n, double t)
+// The basis functions of degree k at t, in place of those of degree k - 1:
+// B^k_i = (1-t) B^(k-1)_i + t B^(k-1)_(i-1), only sums of non-negative numbers for t in [0,1].
+static void raise_basis(double *basis, int k, double t)
 {
     double s = 1.0 - t;
+    basis[k] = t * basis[k - 1];
+    for (int i = k - 1; i > 0; i--) basis[i] = s * basis[i] + t * basis[i - 1];
+    basis[0] *= s;
+}
+
+void kn_bernstein_basis(double *basis, int n, double t)
+{
     basis[0] = 1.0;
-    for (int k = 1; k <= n; k++) {
-        basis[k] = t * basis[k - 1];
-        for (int i = k - 1; i > 0; i--) basis[i] = s * basis[i] + t * basis[i - 1];
-        basis[0] *= s;
-    }
+    for (int k = 1; k <= n; k++) raise_basis(basis, k, t);
 }
 
 void kn_bernstein_contract(double *out, const double *in, size_t outer, int m, size_t inner, const double *basis)
@@ -157,26 +161,55 @@ void kn_bernstein_convolve(double *c, const double *a, const size_t *place_a, si
 // ((1-lo) + lo x)^(n-i) ((1-hi) + hi x)^i in x.
 void kn_bernstein_restriction(double *matrix, int n, double lo, double hi)
 {
-    for (int i = 0; i <= n; i++) {
-        double a[KN_MAX_DEGREE + 1], b[KN_MAX_DEGREE + 1], *row = matrix + i * (n + 1);
-        kn_bernstein_basis(a, n - i, lo);
-        kn_bernstein_basis(b, i, hi);
+    double all[(KN_MAX_DEGREE + 1) * (KN_MAX_DEGREE + 2) / 2], b[KN_MAX_DEGREE + 1], *a = all;
+    a[0] = b[0] = 1.0;
+    for (int k = 1; k <= n; a += k, k++) { // the basis functions of degree 0 .. n at lo, one after the other
+        for (int i = 0; i < k; i++) a[k + i] = a[i];
+        raise_basis(a + k, k, lo);
+    }
+    for (int i = 0; i <= n; a -= n - i, i++) {
+        double *row = matrix + i * (n + 1);
+        if (i > 0) raise_basis(b, i, hi);
         for (int j = 0; j <= n; j++) row[j] = 0.0;
         for (int k = 0; k <= i; k++)
             for (int j = 0; j <= n - i; j++) row[j + k] += a[j] * b[k];
     }
 }
 
+// out[j] = sum over k < n of x[k] v[k stride + j], in ascending order, for j < width: a constant where it is inlined.
+static inline void some_sums(double *restrict out, const double *restrict x, const double *restrict v, size_t stride,
+                             int n, int width)
+{
+    double s[8];
+    for (int j = 0; j < width; j++) s[j] = x[0] * v[j];
+    for (int k = 1; k < n; k++) {
+        v += stride;
+        for (int j = 0; j < width; j++) s[j] += x[k] * v[j];
+    }
+    for (int j = 0; j < width; j++) out[j] = s[j];
+}
+
+static void sums(double *restrict out, const double *restrict x, const double *restrict v, size_t stride, int n,
+                 size_t width)
+{
+    size_t j = 0;
+    for (; j + 8 <= width; j += 8) some_sums(out + j, x, v + j, stride, n, 8);
+    for (; j + 4 <= width; j += 4) some_sums(out + j, x, v + j, stride, n, 4);
+    for (; j < width; j++) some_sums(out + j, x, v + j, stride, n, 1);
+}
+
 void kn_bernstein_transform(double *out, const double *in, size_t outer, int rows, int columns, size_t inner,
                             const double *matrix)
 {
-    for (size_t o = 0; o < outer; o++, in += (size_t)columns * inner)
-        for (int r = 0; r < rows; r++, out += inner) {
-            const double *row = matrix + r * columns;
-            for (size_t j = 0; j < inner; j++) out[j] = row[0] * in[j];
-            for (int k = 1; k < columns; k++) {
-                const double *from = in + (size_t)k * inner;
-                for (size_t j = 0; j < inner; j++) out[j] += row[k] * from[j];
-            }
-        }
+    enum { MOST = 256 }; // of the numbers of a matrix that is transposed
+    size_t nrows = (size_t)rows, ncolumns = (size_t)columns;
+    double turned[MOST];
+    if (inner == 1 && outer > 1 && nrows * ncolumns <= MOST) { // several rows at a time, not several numbers of one
+        for (size_t r = 0; r < nrows; r++)
+            for (size_t k = 0; k < ncolumns; k++) turned[k * nrows + r] = matrix[r * ncolumns + k];
+        for (size_t o = 0; o < outer; o++) sums(out + o * nrows, in + o * ncolumns, turned, nrows, columns, nrows);
+        return;
+    }
+    for (size_t o = 0; o < outer; o++, in += ncolumns * inner)
+        for (size_t r = 0; r < nrows; r++, out += inner) sums(out, matrix + r * ncolumns, in, inner, columns, inner);
 }

@@ -17,7 +17,7 @@ typedef struct box {
 
 void kn_shell_piece_clear(kn_ctx *ctx, kn_shell_piece *piece)
 {
-    for (int k = 0; k < KN_SHELL_TERMS; k++) kn_bezier_clear(ctx, &piece->term[k]);
+    for (int k = 0; k < piece->nterms; k++) kn_bezier_clear(ctx, &piece->term[k]);
     *piece = (kn_shell_piece){0};
 }
 
