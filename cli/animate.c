@@ -3,14 +3,11 @@
 //
 // Time t runs from 0 to 1. Wherever a value of --vary (in a recipe: "vary") says {t}, it is put in for every frame;
 // the frames are then textures like any other.
-#include "cli/cli.h"
+#include "cli/plan.h"
 
-#include <errno.h>
-#include <spawn.h>
+#include <jansson.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
 #if KN_WITH_EMBREE && KN_WITH_PNG && KN_WITH_TINYGLTF
 #define CAN_ANIMATE 1
@@ -45,11 +42,81 @@ typedef struct animate {
 
 // ---- one frame ----
 
+// How finely each patch is drawn, in the order in which they come: as in the frame that asks for most, so that all
+// frames have the same triangles.
+typedef struct detail {
+    int (*segments)[3];
+    size_t count, room;
+    unsigned long changes; // how often some patch asked for more than frames before
+} detail;
+
 // Tessellates what a job makes: an item for each part of the tile.
 typedef struct collector {
     kn_scene *scene;
-    int first; // item of part 0
+    detail *detail;
+    size_t *at; // patches of this frame so far
+    int first;  // item of part 0
 } collector;
+
+static bool make_room(detail *d, size_t count)
+{
+    if (count <= d->room) return true;
+    size_t room = 2 * d->room > count ? 2 * d->room : count;
+    void *more = realloc(d->segments, room * sizeof *d->segments);
+    if (!more) return false;
+    d->segments = more;
+    d->room = room;
+    return true;
+}
+
+// The greater of what the patch asks for and what others have asked for, for both.
+static bool agree(detail *d, size_t k, int segments[3])
+{
+    if (!make_room(d, k + 1)) return false;
+    if (k == d->count) memcpy(d->segments[d->count++], segments, sizeof d->segments[0]);
+    for (int i = 0; i < 3; i++) {
+        if (segments[i] > d->segments[k][i]) d->segments[k][i] = segments[i], d->changes++;
+        segments[i] = d->segments[k][i];
+    }
+    return true;
+}
+
+// All triangles of the grid over a surface, also those that are points or lines now: they may not be in other frames.
+// The room is there, kn_mesh_add_patch wants it for them all.
+static void keep_triangles(kn_mesh *mesh, size_t first, size_t triangles, const kn_patch *patch)
+{
+    size_t a = (size_t)patch->segments[0], b1 = (size_t)patch->segments[1] + 1;
+    uint32_t *to = mesh->triangle + 3 * triangles;
+    for (size_t i = 0; i < a; i++)
+        for (size_t j = 0; j + 1 < b1; j++, to += 6) {
+            size_t p = first + i * b1 + j, q = p + b1;
+            const size_t corners[2][6] = {{p, q, q + 1, p, q + 1, p + 1}, {p, q + 1, q, p, p + 1, q + 1}};
+            for (int k = 0; k < 6; k++) to[k] = (uint32_t)corners[patch->reversed][k];
+        }
+    mesh->ntriangles = triangles + 2 * a * (b1 - 1);
+}
+
+static kn_status draw_surface(kn_ctx *ctx, kn_mesh *mesh, const kn_patch *patch)
+{
+    size_t first = mesh->nvertices, triangles = mesh->ntriangles;
+    kn_status status = kn_patch_tessellate(ctx, mesh, patch);
+    if (status == KN_OK && patch->bezier.nvars == 2 && !patch->trim) keep_triangles(mesh, first, triangles, patch);
+    return status;
+}
+
+static kn_status draw_patch(kn_ctx *ctx, kn_mesh *mesh, const kn_patch *patch)
+{
+    if (patch->mesh || patch->bezier.nvars != 3) return draw_surface(ctx, mesh, patch);
+    kn_status status = KN_OK;
+    for (int face = 0; status == KN_OK && face < 6; face++) {
+        kn_patch side = {0};
+        if (patch->hidden >> face & 1) continue;
+        status = kn_patch_face(ctx, &side, patch, face);
+        if (status == KN_OK) status = draw_surface(ctx, mesh, &side);
+        kn_bezier_clear(ctx, &side.bezier);
+    }
+    return status;
+}
 
 static kn_status commit(kn_ctx *ctx, void *user, const kn_patch_block *block, void *product)
 {
@@ -57,16 +124,17 @@ static kn_status commit(kn_ctx *ctx, void *user, const kn_patch_block *block, vo
     const collector *c = user;
     kn_status status = KN_OK;
     for (size_t i = 0; status == KN_OK && i < block->count; i++) {
-        kn_mesh *to = &c->scene->items[c->first + block->patches[i].id.part].mesh;
-        status = kn_patch_tessellate(ctx, to, &block->patches[i]);
+        kn_patch patch = block->patches[i];
+        if (!agree(c->detail, (*c->at)++, patch.segments)) return KN_ENOMEM;
+        status = draw_patch(ctx, &c->scene->items[c->first + patch.id.part].mesh, &patch);
     }
     return status;
 }
 
-static kn_status collect(kn_ctx *ctx, kn_scene *scene, const kn_job *job)
+static kn_status collect(kn_ctx *ctx, kn_scene *scene, detail *d, size_t *at, const kn_job *job)
 {
     const kn_tile *tile = kn_job_tile(job);
-    collector c = {scene, scene->nitems};
+    collector c = {scene, d, at, scene->nitems};
     kn_sink sink = {.user = &c, .commit = commit};
     for (int p = 0; p < tile->nparts; p++)
         scene->items[scene->nitems++] = (kn_scene_item){.material = tile->parts[p].material};
@@ -105,23 +173,20 @@ static bool set_time(cli_recipe *frame, char *texts[CLI_MAX_LAYERS * CLI_MAX_VAR
     return true;
 }
 
-static int make_layers(cli_session *session, kn_scene *scene, const cli_recipe *r, const cli_inputs *in)
+static int make_layers(cli_session *session, kn_scene *scene, detail *d, const cli_recipe *r, const cli_inputs *in)
 {
-    kn_ctx *ctx = cli_ctx(session);
-    int nparts = 0;
-    for (int l = 0; l < r->nlayers; l++) nparts += in->tile[l].nparts;
-    kn_scene_item *items = calloc((size_t)nparts + 1, sizeof *items);
-    if (!items) return cli_fail_at(session, KN_ENOMEM, "animate: out of memory");
+    cli_plan plan = {0};
+    size_t nparts = 0, at = 0;
+    int code = cli_plan_begin(session, &plan, r, in);
+    for (int i = 0; i < plan.nshown; i++) nparts += (size_t)kn_job_tile(plan.shown[i])->nparts;
+    kn_scene_item *items = calloc(nparts + 1, sizeof *items); // and the box
     *scene = (kn_scene){.items = items};
-    int code = EXIT_OK;
-    for (int l = 0; l < r->nlayers && code == EXIT_OK; l++) {
-        kn_job *job = NULL;
-        kn_status status = kn_job_create(ctx, &job, in->base.surfaces, in->base.nsurfaces, &in->tile[l],
-                                         &r->layer[l].options);
-        if (status == KN_OK) status = collect(ctx, scene, job);
-        kn_job_destroy(ctx, job);
-        if (status != KN_OK) code = cli_fail_on_job(session, status, &r->layer[l]);
+    if (!items && code == EXIT_OK) code = cli_fail_at(session, KN_ENOMEM, "animate: out of memory");
+    for (int i = 0; i < plan.nshown && code == EXIT_OK; i++) {
+        kn_status status = collect(cli_ctx(session), scene, d, &at, plan.shown[i]);
+        if (status != KN_OK) code = cli_fail(session, status, false);
     }
+    cli_plan_end(session, &plan);
     return code;
 }
 
@@ -132,7 +197,7 @@ static void frame_clear(kn_ctx *ctx, kn_scene *scene)
     *scene = (kn_scene){0};
 }
 
-static int make_frame(cli_session *session, kn_scene *scene, const animate *a, double t)
+static int make_frame(cli_session *session, kn_scene *scene, detail *d, const animate *a, double t)
 {
     cli_recipe *frame = malloc(sizeof *frame);
     char *texts[CLI_MAX_LAYERS * CLI_MAX_VARY];
@@ -142,7 +207,7 @@ static int make_frame(cli_session *session, kn_scene *scene, const animate *a, d
     *frame = a->recipe;
     if (set_time(frame, texts, &ntexts, t)) {
         code = cli_inputs_begin(session, &inputs, frame);
-        if (code == EXIT_OK) code = make_layers(session, scene, frame, &inputs);
+        if (code == EXIT_OK) code = make_layers(session, scene, d, frame, &inputs);
         cli_inputs_end(session, &inputs, frame);
     }
     for (int i = 0; i < ntexts; i++) free(texts[i]);
@@ -187,29 +252,6 @@ static void frame_path(char path[MAX_TEXT], const char *out, const char *number)
     (void)snprintf(path, MAX_TEXT, "%.*s-%s.png", (int)(strlen(out) - 4), out, number);
 }
 
-static int make_video(const animate *a, const char *out)
-{
-    extern char **environ;
-    char pattern[MAX_TEXT], rate[32], path[MAX_TEXT];
-    frame_path(pattern, out, "%04d");
-    (void)snprintf(rate, sizeof rate, "%.6g", a->frames / a->seconds);
-    (void)snprintf(path, sizeof path, "%s", out);
-    char program[] = "ffmpeg", quiet[] = "-loglevel", error[] = "error", over[] = "-y", frames[] = "-framerate",
-         input[] = "-i", exact[] = "-bitexact", format[] = "-pix_fmt", yuv[] = "yuv420p";
-    char *argv[] = {program, quiet, error, over, frames, rate, input, pattern, exact, format, yuv, path, NULL};
-    pid_t child;
-    int status = 0;
-    if (posix_spawnp(&child, program, NULL, NULL, argv, environ) != 0) {
-        cli_error("animate: no ffmpeg here to make '%s'; its frames are beside it", out);
-        return EXIT_FAILED;
-    }
-    while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
-    }
-    if (WIFEXITED(status) && WEXITSTATUS(status) == 0) return EXIT_OK;
-    cli_error("animate: ffmpeg could not make '%s'; its frames are beside it", out);
-    return EXIT_FAILED;
-}
-
 static int add_boxes(cli_session *session, const animate *a, kn_scene *frames)
 {
     double box[2][3] = {{1e300, 1e300, 1e300}, {-1e300, -1e300, -1e300}};
@@ -250,17 +292,48 @@ static int write_output(cli_session *session, const animate *a, kn_scene *frames
     int code = *boxed ? EXIT_OK : add_boxes(session, a, frames);
     *boxed = true;
     if (code == EXIT_OK) code = draw_frames(session, a, frames, out);
-    return code == EXIT_OK && cli_has_ending(out, "mp4") ? make_video(a, out) : code;
+    return code == EXIT_OK && cli_has_ending(out, "mp4") ? cli_make_video(session, out, a->frames / a->seconds)
+                                                         : code;
+}
+
+// Frames that were drawn more coarsely than a later one asked for are made once more.
+static int make_frames(cli_session *session, kn_scene *frames, const animate *a)
+{
+    detail d = {0};
+    int code = EXIT_OK;
+    unsigned long *changes = calloc((size_t)a->frames, sizeof *changes);
+    if (!changes) return cli_fail_at(session, KN_ENOMEM, "animate: out of memory");
+    for (int pass = 0; pass < 2; pass++)
+        for (int f = 0; f < a->frames && code == EXIT_OK; f++) {
+            if (pass == 1 && changes[f] == d.changes) continue;
+            frame_clear(cli_ctx(session), &frames[f]);
+            code = make_frame(session, &frames[f], &d, a, a->frames > 1 ? (double)f / (a->frames - 1) : 0.0);
+            changes[f] = d.changes;
+        }
+    free(changes);
+    free(d.segments);
+    return code;
+}
+
+static void report(const animate *a)
+{
+    const cli_job *job = &a->recipe.layer[0];
+    if (!job->json) return;
+    json_t *outputs = json_array();
+    for (int i = 0; i < a->recipe.noutputs; i++) json_array_append_new(outputs, cli_json_text(a->recipe.outputs[i]));
+    json_t *o = json_pack("{s:o,s:i,s:f,s:o}", "base", cli_json_text(job->base), "frames", a->frames, "seconds",
+                          a->seconds, "outputs", outputs);
+    json_dumpf(o, stdout, JSON_INDENT(2) | JSON_REAL_PRECISION(9));
+    putchar('\n');
+    json_decref(o);
 }
 
 static int work(cli_session *session, const animate *a)
 {
     kn_scene *frames = calloc((size_t)a->frames, sizeof *frames);
     if (!frames) return cli_fail_at(session, KN_ENOMEM, "animate: out of memory");
-    int code = EXIT_OK;
     bool boxed = false;
-    for (int f = 0; f < a->frames && code == EXIT_OK; f++)
-        code = make_frame(session, &frames[f], a, a->frames > 1 ? (double)f / (a->frames - 1) : 0.0);
+    int code = make_frames(session, frames, a);
     for (int pass = 0; pass < 2; pass++) // glTF first: pictures add to the scenes
         for (int i = 0; i < a->recipe.noutputs && code == EXIT_OK; i++) {
             const char *out = a->recipe.outputs[i];
@@ -269,6 +342,7 @@ static int work(cli_session *session, const animate *a)
         }
     for (int f = 0; f < a->frames; f++) frame_clear(cli_ctx(session), &frames[f]);
     free(frames);
+    if (code == EXIT_OK) report(a);
     return code;
 }
 #endif
@@ -295,6 +369,13 @@ static bool set_option(animate *a, int option, const char *value)
     case ELEVATION: return cli_double("--elevation", value, &a->elevation);
     default: return false;
     }
+}
+
+static bool odd_video(const animate *a)
+{
+    bool video = false;
+    for (int i = 0; i < a->recipe.noutputs; i++) video = video || cli_has_ending(a->recipe.outputs[i], "mp4");
+    return video && (a->width % 2 != 0 || a->height % 2 != 0);
 }
 
 // EXIT_OK, an exit code after a message, or -1 when help was asked for and given.
@@ -326,7 +407,8 @@ static int read_arguments(animate *a, int argc, char **argv)
     const char *missing = !r->layer[0].base   ? "a BASE file or a recipe is missing"
                           : !r->layer[0].tile ? "--tile is missing ('knurl tiles' lists them)"
                           : r->noutputs == 0  ? "-o OUT is missing"
-                                              : cli_recipe_conflict(r);
+                          : odd_video(a) ? "videos are of even width and height: --picture-width, --picture-height"
+                                         : cli_recipe_conflict(r);
     if (!missing) return EXIT_OK;
     cli_error("animate: %s", missing);
     cli_usage_hint("animate");

@@ -274,6 +274,10 @@ typedef struct cli_inputs {
 int cli_inputs_begin(cli_session *session, cli_inputs *inputs, cli_recipe *recipe);
 void cli_inputs_end(cli_session *session, cli_inputs *inputs, cli_recipe *recipe);
 
+// ---- animate ----
+// out, by ffmpeg, from the pictures beside it: STEM-0001.png .. of STEM.mp4. Exit code; out is whole, or unchanged.
+int cli_make_video(cli_session *session, const char *out, double frames_per_second);
+
 // ---- apply ----
 typedef struct cli_apply {
     cli_recipe recipe;

@@ -157,7 +157,7 @@ static const char slice[] =
     "  -l, --layer L           thickness of a layer\n"
     "      --from Z --to Z     layers between these heights (default: all of the object)\n"
     "      --tol L             of contours (default: a twentieth of a layer)\n"
-    "  -o, --output OUT        .svg: a drawing for each layer, OUT-0001.svg and so on; .3mf: one file with the "
+    "  -o, --output OUT        .svg: a drawing for each layer, OUT-1.svg and so on; .3mf: one file with the "
     "slice\n"
     "                          extension; may be given many times\n"
     "      --json              one JSON object on standard output\n"
@@ -222,8 +222,9 @@ static const char animate[] =
     "\n"
     "      --frames N             (default 25)\n"
     "      --seconds S            how long it is (default 2)\n"
-    "      --picture-width N --picture-height N   pixels (default 800 x 600)\n"
-    "      --samples N --azimuth DEG --elevation DEG   as for render\n";
+    "      --picture-width N --picture-height N   pixels (default 800 x 600; of videos even)\n"
+    "      --samples N --azimuth DEG --elevation DEG   as for render\n"
+    "      --json                 one JSON object on standard output\n";
 
 int cli_help(FILE *to, const char *command)
 {

@@ -56,7 +56,8 @@ static kn_status give_up(kn_ctx *ctx, const kn_job_cell_plan *plan, const kn_job
     if (crosses)
         return kn_fail(ctx, KN_EDOMAIN,
                        "job: patch %d of tile part \"%s\" crosses a knot line of surface %d in cell %d,%d, and not "
-                       "along a parameter line of its own",
+                       "along a parameter line of its own: it can be cut along the line (--crossing trim), or kept "
+                       "whole within a tolerance (--crossing approximate)",
                        p->patch, name, s->origin, cell[0], cell[1]);
     return kn_fail(ctx, KN_EUNDECIDED,
                    "job: no normal of low degree within the tolerance for patch %d of tile part \"%s\" in cell %d,%d "

@@ -144,6 +144,57 @@ static void pictures(void **state)
     free(bytes[0]), free(bytes[1]);
 }
 
+// Tips that are a point in some frames and nearly one in others, and frames that need finer meshes than the first:
+// all frames have the same triangles.
+static void alike(void **state)
+{
+    (void)state;
+    char square[PATH_BYTES], film[PATH_BYTES];
+    write_square(square);
+    test_tmp_path(film, "thorn.glb");
+    assert_int_equal(
+        run("animate '%s' --tile thorn --count 2,2 --vary 'bend=0.8*sin(6.28*{t}+3*x)' --frames 3 -o '%s'", square,
+            film),
+        0);
+    assert_int_equal(
+        run("animate '%s' --tile bump --count 2,2 --vary 'height=4*{t}' --frames 3 --json -o '%s'", square, film), 0);
+    assert_non_null(strstr(printed, "\"frames\": 3"));
+    char *file;
+    const unsigned char *bin;
+    json_t *root = open_glb(&file, &bin, film);
+    assert_int_equal(json_array_size(json_object_get(primitive_of(root, 0), "targets")), 2);
+    json_decref(root);
+    free(file);
+}
+
+// Layers lie on each other, and those that are only a base are not drawn.
+static void layers(void **state)
+{
+    (void)state;
+    char square[PATH_BYTES], recipe[PATH_BYTES], film[PATH_BYTES], *file;
+    const unsigned char *bin;
+    write_square(square);
+    test_tmp_path(recipe, "layers.json"), test_tmp_path(film, "layers.glb");
+    FILE *f = fopen(recipe, "w");
+    assert_non_null(f);
+    fprintf(f,
+            "{\"format\": 1, \"base\": \"%s\", \"layers\": ["
+            "{\"name\": \"a\", \"tile\": \"straight\", \"count\": 2, \"base_only\": true, \"direction\": [0,0,1]},"
+            "{\"on\": \"a\", \"tile\": \"straight\", \"count\": 1, \"height\": 0.1, \"direction\": [0,0,1],"
+            " \"vary\": {\"offset\": \"{t}\"}}]}",
+            square);
+    assert_int_equal(fclose(f), 0);
+    assert_int_equal(run("animate '%s' --frames 2 -o '%s'", recipe, film), 0);
+    json_t *root = open_glb(&file, &bin, film);
+    assert_int_equal(json_array_size(json_object_get(root, "meshes")), 1);
+    json_t *accessor = json_array_get(json_object_get(root, "accessors"),
+                                      (size_t)position_of(json_object_get(primitive_of(root, 0), "attributes")));
+    // 4 cells of 3 patches are the base: 12 times as many patches as over the square
+    assert_true(whole(accessor, "count") >= (json_int_t)12 * 3 * 4);
+    json_decref(root);
+    free(file);
+}
+
 #endif
 
 static void refusals(void **state)
@@ -155,6 +206,8 @@ static void refusals(void **state)
     assert_non_null(strstr(complained, "-o OUT is missing"));
     assert_int_equal(run("animate a.g2 --tile bump -o film.stl"), 2);
     assert_non_null(strstr(complained, "film.stl"));
+    assert_int_equal(run("animate a.g2 --tile bump --picture-width 81 -o film.mp4"), 2);
+    assert_non_null(strstr(complained, "even"));
     assert_int_equal(run("animate a.g2 b.g2"), 2);
     assert_int_equal(run("animate a.g2 --frames 0"), 2);
     assert_int_equal(run("animate a.g2 --seconds 0"), 2);
@@ -169,6 +222,8 @@ int main(void)
 #if KN_WITH_EMBREE && KN_WITH_PNG && KN_WITH_TINYGLTF
         cmocka_unit_test(targets),
         cmocka_unit_test(pictures),
+        cmocka_unit_test(alike),
+        cmocka_unit_test(layers),
 #endif
         cmocka_unit_test(refusals),
     };
