@@ -190,6 +190,22 @@ tiles-check:
 	$(Q)diff -r data/tiles $(B)/tiles/data && diff io/builtin_table.h $(B)/tiles/table.h || \
 	  { echo 'data/tiles and io/builtin_table.h differ from their models: run make tiles'; exit 1; }
 
+# ---- gallery: the pictures of docs/gallery.md, each a recipe ----
+GALLERY := chess wicker chain knit moebius vases flower fur fur-gravity fur-wind
+.PHONY: gallery $(GALLERY:%=gallery-%)
+gallery: $(GALLERY:%=gallery-%)
+gallery-moebius: RECIPE := examples/moebius/moebius.json
+gallery-moebius: VIEW := --azimuth 60 --elevation 30
+gallery-fur-gravity gallery-fur-wind: RECIPE := examples/gallery/fur.json
+gallery-fur-gravity: APPLY := --attraction 0,0,-2.2
+gallery-fur-wind: APPLY := --attraction 2.4,0.8,-0.4
+gallery-flower: VIEW := --height 300 --azimuth -25 --elevation 28
+$(GALLERY:%=gallery-%): gallery-%: $(KNURL)
+	@mkdir -p $(O)/gallery
+	$(Q)$(KNURL) apply $(or $(RECIPE),examples/gallery/$*.json) $(APPLY) -q -o $(O)/gallery/$*.glb
+	$(Q)$(KNURL) render $(O)/gallery/$*.glb --width 960 --height 720 $(VIEW) -q -o $(O)/gallery/$*.png
+	@echo '  $(O)/gallery/$*.png'
+
 # ---- tests: each t_*.c is a program; it may use libknurl's internals, so it links the static library ----
 SUPPORT := $(B)/libsupport.a
 $(SUPPORT): $(call objects,$(SUPPORT_SRC))
@@ -344,6 +360,7 @@ help:
 	@printf '    %-10s %s\n' all 'the library and the command, $(O)/release/knurl (default)' \
 	  check 'everything that is tested; ends in "N passed, N failed, N skipped"' \
 	  demo 'the textured teapots' \
+  gallery 'the pictures of docs/gallery.md; gallery-chess and so on: one of them' \
 	  test 'the test programs of this configuration' \
 	  bench 'every benchmark' \
 	  fuzz 'libFuzzer on every target for FUZZ_SECONDS each' \
