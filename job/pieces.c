@@ -35,15 +35,16 @@ kn_status kn_job_pieces_get(kn_ctx *ctx, int *index, kn_job_pieces *pieces, cons
         pieces->list = list;
         pieces->room = room;
     }
-    kn_job_piece p = {.surface = place->surface, .cell = {place->cell[0], place->cell[1]}};
-    for (int d = 0; d < 2; d++) p.lo[d] = lo[d], p.hi[d] = hi[d];
+    kn_job_piece *p = &pieces->list[pieces->count];
+    *p = (kn_job_piece){.surface = place->surface, .cell = {place->cell[0], place->cell[1]}};
+    for (int d = 0; d < 2; d++) p->lo[d] = lo[d], p->hi[d] = hi[d];
     const kn_job_surface *s = &pieces->job->surfaces[place->surface];
     kn_status status = pieces->outline
-                           ? kn_shell_piece_outline(ctx, &p.piece, &p.fits, s->shell, p.cell, lo, hi, s->degree_sum)
-                           : kn_shell_piece_init(ctx, &p.piece, &p.fits, s->shell, p.cell, lo, hi, s->degree_sum);
+                           ? kn_shell_piece_outline(ctx, &p->piece, &p->fits, s->shell, p->cell, lo, hi,
+                                                    s->degree_sum)
+                           : kn_shell_piece_init(ctx, &p->piece, &p->fits, s->shell, p->cell, lo, hi, s->degree_sum);
     if (status != KN_OK) return status;
-    *index = pieces->count;
-    pieces->list[pieces->count++] = p;
+    *index = pieces->count++;
     return KN_OK;
 }
 

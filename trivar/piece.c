@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // T over a box of (u,v) as one polynomial or rational piece.
+#include "kernel/bernstein.h"
 #include "kernel/context.h"
 #include "trivar/internal.h"
 
@@ -78,23 +79,57 @@ static void to_local(double lo[2], double hi[2], const box *b, double *const bre
     }
 }
 
-static kn_status restricted(kn_ctx *ctx, kn_bezier *out, const kn_bezier *a, const double lo[2], const double hi[2])
+// What restricts to a box, in scratch memory: S and n over one span, of one degree, have it in common.
+typedef struct restrictions {
+    double lo[2], hi[2];
+    int degree[2];
+    double *matrix[2]; // NULL: none yet
+} restrictions;
+
+static const double *restriction(kn_ctx *ctx, restrictions *r, int v, int degree, double lo, double hi)
+{
+    if (r->matrix[v] && r->degree[v] == degree && r->lo[v] == lo && r->hi[v] == hi) return r->matrix[v];
+    size_t side = (size_t)degree + 1;
+    r->matrix[v] = kn_scratch(ctx, side * side, sizeof *r->matrix[v]);
+    if (r->matrix[v]) kn_bernstein_restriction(r->matrix[v], degree, lo, hi);
+    r->degree[v] = degree, r->lo[v] = lo, r->hi[v] = hi;
+    return r->matrix[v];
+}
+
+// As kn_bezier_restrict, whose bits it has.
+static kn_status restricted(kn_ctx *ctx, restrictions *r, kn_bezier *out, const kn_bezier *a, const double lo[2],
+                            const double hi[2])
 {
     if (lo[0] == 0.0 && lo[1] == 0.0 && hi[0] == 1.0 && hi[1] == 1.0) return kn_bezier_copy(ctx, out, a);
-    return kn_bezier_restrict(ctx, out, a, lo, hi);
+    bool finite = isfinite(lo[0]) && isfinite(lo[1]) && isfinite(hi[0]) && isfinite(hi[1]);
+    if (!finite || (lo[0] == 0.0 && hi[0] == 1.0) || (lo[1] == 0.0 && hi[1] == 1.0))
+        return kn_bezier_restrict(ctx, out, a, lo, hi);
+    int m = a->degree[0] + 1, n = a->degree[1] + 1;
+    size_t outer = (size_t)a->ncomp;
+    const double *u = restriction(ctx, r, 0, m - 1, lo[0], hi[0]), *v = restriction(ctx, r, 1, n - 1, lo[1], hi[1]);
+    double *work = kn_scratch(ctx, outer * kn_bezier_count(a), sizeof *work);
+    kn_bezier made = {0};
+    kn_status status = u && v && work ? KN_OK : KN_ENOMEM;
+    if (status == KN_OK) status = kn_bezier_init(ctx, &made, 2, a->ncomp, a->rational, a->degree);
+    if (status != KN_OK) return status;
+    kn_bernstein_transform(work, a->coef, outer, m, m, (size_t)n, u);
+    kn_bernstein_transform(made.coef, work, outer * (size_t)m, n, n, 1, v);
+    kn_bezier_swap(out, &made);
+    kn_bezier_clear(ctx, &made);
+    return KN_OK;
 }
 
 // ---- the field over the box ----
 
 // The shell's own spline, or its end piece extended when that is still within the tolerance.
-static kn_status own_normal(kn_ctx *ctx, kn_bezier *n, kn_shell_piece *p, bool *fits, const kn_shell *s, const box *b,
-                            const kn_bezier *direction, double direction_error)
+static kn_status own_normal(kn_ctx *ctx, restrictions *r, kn_bezier *n, kn_shell_piece *p, bool *fits,
+                            const kn_shell *s, const box *b, const kn_bezier *direction, double direction_error)
 {
     double lo[2], hi[2];
     size_t at = (size_t)b->cut[0] * (size_t)(s->ncuts[1] - 1) + (size_t)b->cut[1];
     to_local(lo, hi, b, s->cut, b->cut);
     *fits = true;
-    kn_status status = restricted(ctx, n, &s->normal_piece[at], lo, hi);
+    kn_status status = restricted(ctx, r, n, &s->normal_piece[at], lo, hi);
     p->exact = true;
     p->deviation = 0.0;
     p->normal = s->certificates[at];
@@ -122,8 +157,8 @@ static kn_status other_normal(kn_ctx *ctx, kn_bezier *n, kn_shell_piece *p, bool
     return status;
 }
 
-static kn_status find_normal(kn_ctx *ctx, kn_bezier *n, kn_shell_piece *p, bool *fits, const kn_shell *s,
-                             const box *b, int degree_sum)
+static kn_status find_normal(kn_ctx *ctx, restrictions *r, kn_bezier *n, kn_shell_piece *p, bool *fits,
+                             const kn_shell *s, const box *b, int degree_sum)
 {
     const kn_direction *d = &s->direction[b->span[0] * (s->nknots[1] - 1) + b->span[1]];
     double lo[2], hi[2], growth = 1.0, error = d->error;
@@ -144,7 +179,7 @@ static kn_status find_normal(kn_ctx *ctx, kn_bezier *n, kn_shell_piece *p, bool 
                 (error + kn_gamma(8.0 * (d->n.degree[0] + d->n.degree[1] + 4)) * kn_largest_vector(&d->n, 0, 3));
     bool knots = false;
     for (int v = 0; v < 2; v++) knots = knots || has_inside(s->cut[v], s->ncuts[v], b->lo[v], b->hi[v], b->slack[v]);
-    if (status == KN_OK && !knots) status = own_normal(ctx, n, p, fits, s, b, &direction, error);
+    if (status == KN_OK && !knots) status = own_normal(ctx, r, n, p, fits, s, b, &direction, error);
     if (status == KN_OK && !*fits) status = other_normal(ctx, n, p, fits, s, &direction, error, degree_sum);
     kn_bezier_clear(ctx, &direction);
     return status;
@@ -169,11 +204,12 @@ static kn_status with_weight(kn_ctx *ctx, kn_bezier *out, const kn_bezier *n, co
 
 // A field over the box: of the span that it lies in, extended. Coefficients along an edge are rows of the restriction
 // that depend on where that edge lies alone: boxes that share it get the same ones, bit for bit.
-static kn_status over_box(kn_ctx *ctx, kn_bezier *out, const kn_bezier *span, const kn_shell *s, const box *b)
+static kn_status over_box(kn_ctx *ctx, restrictions *r, kn_bezier *out, const kn_bezier *span, const kn_shell *s,
+                          const box *b)
 {
     double lo[2], hi[2];
     to_local(lo, hi, b, s->knot, b->span);
-    return restricted(ctx, out, &span[b->span[0] * (s->nknots[1] - 1) + b->span[1]], lo, hi);
+    return restricted(ctx, r, out, &span[b->span[0] * (s->nknots[1] - 1) + b->span[1]], lo, hi);
 }
 
 // Appends f w^power.
@@ -189,26 +225,28 @@ static kn_status add_term(kn_ctx *ctx, kn_shell_piece *p, kn_bezier *f, int powe
 }
 
 // h n, and what that makes of n's deviation.
-static kn_status thicken(kn_ctx *ctx, kn_shell_piece *p, kn_bezier *n, const kn_shell *s, const box *b)
+static kn_status thicken(kn_ctx *ctx, restrictions *r, kn_shell_piece *p, kn_bezier *n, const kn_shell *s,
+                         const box *b)
 {
     kn_bezier h = {0};
-    kn_status status = over_box(ctx, &h, s->thickness.span, s, b);
+    kn_status status = over_box(ctx, r, &h, s->thickness.span, s, b);
     if (status == KN_OK) status = kn_bezier_product(ctx, n, &h, n);
     if (status == KN_OK) p->deviation *= kn_largest_vector(&h, 0, 1) * (1.0 + 0x1p-40); // and h's own rounding
     kn_bezier_clear(ctx, &h);
     return status;
 }
 
-static kn_status make_terms(kn_ctx *ctx, kn_shell_piece *p, kn_bezier *n, const kn_shell *s, const box *b)
+static kn_status make_terms(kn_ctx *ctx, restrictions *r, kn_shell_piece *p, kn_bezier *n, const kn_shell *s,
+                            const box *b)
 {
     kn_bezier f = {0};
-    kn_status status = over_box(ctx, &p->term[0], s->span, s, b);
+    kn_status status = over_box(ctx, r, &p->term[0], s->span, s, b);
     p->nterms = 1;
-    if (status == KN_OK && n->coef && s->thickness.whole.coef) status = thicken(ctx, p, n, s, b);
+    if (status == KN_OK && n->coef && s->thickness.whole.coef) status = thicken(ctx, r, p, n, s, b);
     if (status == KN_OK && n->coef) status = add_term(ctx, p, n, 1, false);
     for (int k = 0; k < s->nfields && status == KN_OK; k++) {
         const kn_shell_field *field = &s->field[k];
-        status = over_box(ctx, &f, field->span, s, b);
+        status = over_box(ctx, r, &f, field->span, s, b);
         if (status == KN_OK) status = add_term(ctx, p, &f, field->power, s->homogeneous);
     }
     kn_bezier_clear(ctx, &f);
@@ -267,16 +305,18 @@ static kn_status make_piece(kn_ctx *ctx, kn_shell_piece *out, bool *fits, const 
     kn_shell_piece p = {.exact = true, .normal = shell->certificate};
     kn_bezier n = {0};
     bool found = true;
+    restrictions r = {0};
+    kn_mark mark = kn_scratch_mark(ctx);
     kn_status status = KN_OK;
-    if (shell->kind == KN_SHELL_NORMAL) status = find_normal(ctx, &n, &p, &found, shell, b, degree_sum);
-    if (status == KN_OK && found) status = make_terms(ctx, &p, &n, shell, b);
-    if (status == KN_OK) *fits = found;
-    if (status == KN_OK && found) {
-        *out = p;
-        p = (kn_shell_piece){0};
-    }
+    if (shell->kind == KN_SHELL_NORMAL) status = find_normal(ctx, &r, &n, &p, &found, shell, b, degree_sum);
+    if (status == KN_OK && found) status = make_terms(ctx, &r, &p, &n, shell, b);
+    kn_scratch_release(ctx, mark);
     kn_bezier_clear(ctx, &n);
-    kn_shell_piece_clear(ctx, &p);
+    if (status == KN_OK) *fits = found;
+    if (status == KN_OK && found)
+        *out = p;
+    else
+        kn_shell_piece_clear(ctx, &p);
     return status;
 }
 
