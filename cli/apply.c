@@ -161,6 +161,17 @@ static void warn_of_receivers(cli_session *session, const cli_apply *a, const kn
         }
 }
 
+// What is wrong with a journal is said with its path.
+static int fail_on_run(cli_session *session, kn_status status, const cli_apply *a)
+{
+    char journal[4096];
+    const char *message = kn_ctx_message(cli_ctx(session));
+    bool blame = a->resume && (strstr(message, "interrupted run") || strstr(message, "no state of a run"));
+    if (!blame) return cli_fail(session, status, false);
+    snprintf(journal, sizeof journal, "%s.journal", a->recipe.outputs[0]);
+    return cli_fail_on(session, status, journal, false);
+}
+
 static int apply(cli_session *session, cli_apply *a, const cli_plan *plan, cli_timing *timing)
 {
     kn_ctx *ctx = cli_ctx(session);
@@ -173,7 +184,8 @@ static int apply(cli_session *session, cli_apply *a, const cli_plan *plan, cli_t
     else
         status = run(ctx, a, plan, bytes);
     timing->run = cli_seconds() - began;
-    if (status != KN_OK) return cli_fail(session, status, false);
+    if (status != KN_OK) return fail_on_run(session, status, a);
+    if (plan->report.cells == 0) cli_warn(session, "%s: no cell is left of the texture", a->recipe.layer[0].base);
     cli_print_apply(a, plan, bytes, timing, kn_ctx_counters(ctx).peak_bytes);
     return EXIT_OK;
 }

@@ -90,43 +90,70 @@ static void add_wrapped(boxes *all, const check_box *patch)
         }
 }
 
-// What a patch occupies, where w in [0,1] of the tile goes to the range. Control points may lie far outside of it: the
-// boxes of its parts do not.
-static kn_status box_of(kn_ctx *ctx, check_box *out, const kn_bezier *patch, const double range[2], bool downwards)
+// Where w in [0,1] of the tile goes to.
+static void set_heights(check_box *b, const check *c)
 {
-    enum { PARTS = 8 };
+    const kn_job_options *o = &c->job.options;
+    bool downwards = o->side == KN_JOB_BELOW || (o->side == KN_JOB_ABOVE && o->height < 0);
+    double range[2], w[2] = {b->lo[2], b->hi[2]};
+    cli_job_range(&c->job, range);
+    double size = range[1] - range[0];
+    b->lo[2] = downwards ? range[1] - w[1] * size : range[0] + w[0] * size;
+    b->hi[2] = downwards ? range[1] - w[0] * size : range[0] + w[1] * size;
+}
+
+// What a patch occupies, a curve, a surface or a volume. Control points may lie far outside of it: the boxes of its
+// parts do not.
+static kn_status box_of(kn_ctx *ctx, check_box *out, const kn_bezier *patch)
+{
+    const int parts = patch->nvars == 3 ? 4 : 8;
+    int n = 1;
+    for (int d = 0; d < patch->nvars; d++) n *= parts;
     kn_status status = KN_OK;
-    for (int k = 0; k < PARTS * PARTS && status == KN_OK; k++) {
-        const double at[2] = {(double)(k / PARTS) / PARTS, (double)(k % PARTS) / PARTS};
-        const double to[2] = {at[0] + 1.0 / PARTS, at[1] + 1.0 / PARTS};
+    for (int k = 0; k < n && status == KN_OK; k++) {
+        double at[3], to[3];
+        for (int d = 0, i = k; d < patch->nvars; d++, i /= parts) {
+            at[d] = (double)(i % parts) / parts;
+            to[d] = at[d] + 1.0 / parts;
+        }
         check_box b;
         status = kn_bezier_box(ctx, b.lo, b.hi, patch, at, to);
         if (status == KN_OK) *out = k ? both(out, &b) : b;
     }
-    double w[2] = {out->lo[2], out->hi[2]}, size = range[1] - range[0];
-    out->lo[2] = downwards ? range[1] - w[1] * size : range[0] + w[0] * size;
-    out->hi[2] = downwards ? range[1] - w[0] * size : range[0] + w[1] * size;
     return status;
 }
 
-static kn_status add_surface(kn_ctx *ctx, boxes *all, const check *c, const kn_spline *surface)
+static void add_box(boxes *all, const check *c, check_box *b)
+{
+    set_heights(b, c);
+    all->height = fmax(all->height, fmax(fabs(b->lo[2]), fabs(b->hi[2])));
+    add_wrapped(all, b);
+}
+
+static kn_status add_spline(kn_ctx *ctx, boxes *all, const check *c, const kn_spline *spline)
 {
     kn_bezier *pieces = NULL;
     size_t n = 0;
-    const kn_job_options *o = &c->job.options;
-    double range[2];
-    bool downwards = o->side == KN_JOB_BELOW || (o->side == KN_JOB_ABOVE && o->height < 0);
-    cli_job_range(&c->job, range);
-    kn_status status = kn_spline_to_bezier(ctx, &pieces, &n, surface);
+    kn_status status = kn_spline_to_bezier(ctx, &pieces, &n, spline);
     for (size_t i = 0; i < n; i++) {
         check_box b = {0};
-        if (status == KN_OK) status = box_of(ctx, &b, &pieces[i], range, downwards);
-        all->height = fmax(all->height, fmax(fabs(b.lo[2]), fabs(b.hi[2])));
-        if (status == KN_OK) add_wrapped(all, &b);
+        if (status == KN_OK) status = box_of(ctx, &b, &pieces[i]);
+        if (status == KN_OK) add_box(all, c, &b);
         kn_bezier_clear(ctx, &pieces[i]);
     }
     kn_free(ctx, pieces);
     return status;
+}
+
+// One box for all of it.
+static void add_mesh(boxes *all, const check *c, const kn_mesh *mesh)
+{
+    check_box b = {{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
+    for (size_t i = 0; i < 3 * mesh->nvertices; i++) {
+        b.lo[i % 3] = fmin(b.lo[i % 3], mesh->position[i]);
+        b.hi[i % 3] = fmax(b.hi[i % 3], mesh->position[i]);
+    }
+    if (mesh->nvertices > 0) add_box(all, c, &b);
 }
 
 // Heights that rounding alone keeps from 0 are 0; flat boxes get thick, within the heights that the job occupies.
@@ -152,9 +179,11 @@ static kn_status make_boxes(kn_ctx *ctx, check *c)
     boxes *all = calloc(1, sizeof *all);
     kn_status status = all ? KN_OK : KN_ENOMEM;
     if (all) all->height = fabs(c->job.options.height);
-    for (int p = 0; p < tile->nparts; p++)
+    for (int p = 0; p < tile->nparts && status == KN_OK; p++) {
         for (int s = 0; s < tile->parts[p].nsplines && status == KN_OK; s++)
-            status = add_surface(ctx, all, c, &tile->parts[p].splines[s]);
+            status = add_spline(ctx, all, c, &tile->parts[p].splines[s]);
+        if (status == KN_OK) add_mesh(all, c, &tile->parts[p].mesh);
+    }
     if (status == KN_OK) {
         double range[2];
         cli_job_range(&c->job, range);

@@ -138,6 +138,12 @@ static int find_layers(cli_session *session, slicing *s)
         hi = fmax(hi, z[1]);
     }
     s->step = in_units(s, s->layer);
+    if (lo > hi || (!isfinite(lo) && !s->has_from) || (!isfinite(hi) && !s->has_to)) {
+        cli_error("slice: %s: %s", s->recipe.layer[0].base,
+                  lo > hi ? "no cell is left of the texture"
+                          : "how high the texture reaches is not known: say it by --from and --to");
+        return EXIT_BAD_INPUT;
+    }
     s->bottom = s->has_from ? in_units(s, s->from) : lo;
     s->top = s->has_to ? in_units(s, s->to) : hi;
     double n = ceil((s->top - s->bottom) / s->step - 1e-9);

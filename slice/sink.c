@@ -12,11 +12,31 @@ typedef struct slicer {
     kn_slice_lines lines;
 } slicer;
 
+// The faces that are to be seen.
+static kn_status cut_volume(kn_ctx *ctx, kn_slice_lines *out, const kn_slice_window *w, const kn_patch *p)
+{
+    kn_status status = KN_OK;
+    for (int face = 0; status == KN_OK && face < 6; face++) {
+        kn_patch side = {0};
+        if (p->hidden >> face & 1) continue;
+        status = kn_patch_face(ctx, &side, p, face);
+        if (status == KN_OK) status = kn_slice_patch(ctx, out, w, &p->id, &side.bezier, side.reversed);
+        kn_bezier_clear(ctx, &side.bezier);
+    }
+    return status;
+}
+
 static kn_status cut_patch(kn_ctx *ctx, kn_slice_lines *out, const kn_slice_window *w, const kn_patch *p)
 {
     if (p->mesh) return kn_slice_mesh(ctx, out, w, &p->id, p->mesh);
-    if (p->bezier.nvars == 2 && !p->trim) return kn_slice_patch(ctx, out, w, &p->id, &p->bezier, p->reversed);
-    return KN_OK;
+    if (p->bezier.nvars == 3) return cut_volume(ctx, out, w, p);
+    if (p->bezier.nvars != 2) return KN_OK; // curves have no inside
+    if (!p->trim) return kn_slice_patch(ctx, out, w, &p->id, &p->bezier, p->reversed);
+    kn_mesh mesh = {0};
+    kn_status status = kn_patch_tessellate(ctx, &mesh, p);
+    if (status == KN_OK) status = kn_slice_mesh(ctx, out, w, &p->id, &mesh);
+    kn_mesh_clear(ctx, &mesh);
+    return status;
 }
 
 static kn_status work(kn_ctx *ctx, void *user, const kn_patch_block *block, void **product)

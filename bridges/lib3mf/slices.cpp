@@ -2,6 +2,8 @@
 // kn_3mf_slices_*: lib3mf's slice stacks.
 #include <cfloat>
 #include <cmath>
+#include <cstdint>
+#include <cstdio>
 #include <cstring>
 #include <new>
 #include <vector>
@@ -21,6 +23,7 @@ struct kn_3mf_slices {
     kn_out_file *file = nullptr;
     double unit = 1.0, bottom = 0.0, above = 0.0, top = 0.0; // of z, millimetres
     float lo[2] = {FLT_MAX, FLT_MAX}, hi[2] = {-FLT_MAX, -FLT_MAX};
+    uint64_t hash = UINT64_C(0xcbf29ce484222325); // of all points and layers, FNV-1a
 };
 
 namespace
@@ -32,6 +35,26 @@ kn_status refused(kn_ctx *ctx, NMR::PLib3MFBase *instance, const char *what)
     LPCSTR message = nullptr;
     if (instance) NMR::lib3mf_getlasterror(instance, &code, &message);
     return kn_fail(ctx, KN_EIO, "3MF: %s: %s", what, message ? message : "lib3mf refuses");
+}
+
+void add_to_hash(kn_3mf_slices *s, const void *data, size_t bytes)
+{
+    const unsigned char *c = static_cast<const unsigned char *>(data);
+    for (size_t i = 0; i < bytes; i++) s->hash = (s->hash ^ c[i]) * UINT64_C(0x100000001b3);
+}
+
+// A UUID (of version 8) that follows from what is written and from what it names: the same file for the same slices.
+struct uuid {
+    char text[40];
+};
+uuid make_uuid(const kn_3mf_slices *s, uint64_t what)
+{
+    uuid out;
+    uint64_t a = (s->hash ^ what) * UINT64_C(0x9e3779b97f4a7c15), b = (a ^ a >> 31) * UINT64_C(0xbf58476d1ce4e5b9);
+    std::snprintf(out.text, sizeof out.text, "%08x-%04x-8%03x-9%03x-%012llx", static_cast<unsigned>(a >> 32),
+                  static_cast<unsigned>(a >> 16 & 0xffff), static_cast<unsigned>(a & 0xfff),
+                  static_cast<unsigned>(b >> 52), static_cast<unsigned long long>(b & UINT64_C(0xffffffffffff)));
+    return out;
 }
 
 kn_status open_model(kn_ctx *ctx, kn_3mf_slices *s)
@@ -63,6 +86,7 @@ kn_status add_loop(kn_ctx *ctx, kn_3mf_slices *s, NMR::PLib3MFSlice *slice, cons
     while (vertices.size() > 1 && std::memcmp(&vertices.back(), &vertices.front(), sizeof vertices.front()) == 0)
         vertices.pop_back();
     if (vertices.size() < 3) return KN_OK; // thinner than single precision tells
+    add_to_hash(s, vertices.data(), vertices.size() * sizeof vertices[0]);
     DWORD first = 0, polygon = 0;
     if (NMR::lib3mf_slice_addvertices(slice, vertices.data(), static_cast<DWORD>(vertices.size()), &first))
         return refused(ctx, slice, "vertices");
@@ -107,6 +131,10 @@ kn_status write_model(kn_ctx *ctx, kn_3mf_slices *s)
         status = refused(ctx, s->object, "the resolution");
     if (status == KN_OK && NMR::lib3mf_model_addbuilditem(s->model, s->object, nullptr, &item))
         status = refused(ctx, s->model, "the build");
+    if (status == KN_OK && (NMR::lib3mf_object_setuuidutf8(s->object, make_uuid(s, 1).text) ||
+                            NMR::lib3mf_builditem_setuuidutf8(item, make_uuid(s, 2).text) ||
+                            NMR::lib3mf_model_setbuilduuidutf8(s->model, make_uuid(s, 3).text)))
+        status = refused(ctx, s->model, "identifiers");
     if (status == KN_OK && NMR::lib3mf_model_querywriter(s->model, "3mf", &writer))
         status = refused(ctx, s->model, "a writer");
     ULONG64 size = 0;
@@ -155,6 +183,7 @@ kn_status kn_3mf_slices_add(kn_ctx *ctx, void *stack, const kn_slice *layer)
     if (NMR::lib3mf_slicestack_addslice(s->stack, static_cast<float>(z), &slice))
         return refused(ctx, s->stack, "a slice");
     s->top = z;
+    add_to_hash(s, &z, sizeof z);
     kn_status status = KN_OK;
     try {
         for (size_t i = 0; status == KN_OK && i < layer->nloops; i++)

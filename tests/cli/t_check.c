@@ -176,6 +176,23 @@ static void only_the_region_of_the_tile_counts(void **state)
     assert_int_equal(run("check '%s' --tile '%s' --tile-cell 0,0,0.5,0.5 --count 1 --height 0.8", path, tile), 4);
 }
 
+// Volumes and meshes occupy what they occupy, too: cubes of half the sheets' distance.
+static void tiles_that_are_no_surfaces(void **state)
+{
+    (void)state;
+    char path[PATH_BYTES], tile[PATH_BYTES];
+    test_tmp_path(path, "facing.g2");
+    test_tmp_path(tile, "corner.obj");
+    write_text(path, facing);
+    write_text(tile, "v 0.1 0.1 0\nv 0.3 0.1 1\nv 0.1 0.3 0\nv 0.3 0.3 1\nf 1 2 4\nf 1 4 3\n");
+    assert_int_equal(run("check '%s' --tile cross --count 2 --height 0.4", path), 0);
+    assert_int_equal(run("check '%s' --tile cross --count 2 --height 0.8", path), 4);
+#if KN_WITH_OPENMESH
+    assert_int_equal(run("check '%s' --tile '%s' --count 2 --height 0.8", path, tile), 0);
+    assert_int_equal(run("check '%s' --tile '%s' --tile-cell 0,0,0.5,0.5 --count 1 --height 0.8", path, tile), 4);
+#endif
+}
+
 // Below a cylinder of radius 1 a texture may be 1 high, whatever the tile; where the tile is lower than that it fits.
 static void local_heights_with_a_tile(void **state)
 {
@@ -476,6 +493,7 @@ int main(void)
         cmocka_unit_test(too_deep_is_4_and_says_what_to_do),
         cmocka_unit_test(sheets_that_face_each_other),
         cmocka_unit_test(only_the_region_of_the_tile_counts),
+        cmocka_unit_test(tiles_that_are_no_surfaces),
         cmocka_unit_test(local_heights_with_a_tile),
         cmocka_unit_test(flat_patches),
         cmocka_unit_test(advice),

@@ -45,7 +45,7 @@ static void usage_errors(void **state)
 static void help_starts_with_examples(void **state)
 {
     (void)state;
-    static const char *const commands[] = {"apply", "check", "tiles", "info", "eval", "render"};
+    static const char *const commands[] = {"apply", "check", "slice", "tiles", "info", "eval", "render", "animate"};
     for (size_t i = 0; i < sizeof commands / sizeof *commands; i++) {
         assert_int_equal(run("%s --help", commands[i]), 0);
         char example[64];
@@ -71,6 +71,34 @@ static void tiles_as_json(void **state)
         assert_true(found);
     }
     json_decref(tiles);
+}
+
+// What is proved of a tile, and the exit code when it is torn or does not cover.
+static void tiles_checked(void **state)
+{
+    (void)state;
+    char torn[PATH_BYTES];
+    assert_int_equal(run("tiles --check bump"), 0);
+    assert_non_null(strstr(printed, "covers  yes"));
+    assert_int_equal(run("tiles --check scale --json"), 0);
+    json_t *o = json_loads(printed, 0, NULL);
+    assert_true(json_is_true(json_object_get(o, "ok")));
+    assert_true(json_is_true(json_object_get(o, "covering")));
+    assert_true(json_is_object(json_object_get(o, "periodicity")));
+    json_decref(o);
+    // A sheet over the whole cell that rises along u: its border at u = 1 has no mate.
+    test_tmp_path(torn, "torn.g2");
+    FILE *f = fopen(torn, "w");
+    assert_non_null(f);
+    fputs("200 1 0 0\n3 0\n2 2\n0 0 1 1\n2 2\n0 0 1 1\n0 0 0\n1 0 1\n0 1 0\n1 1 1\n", f);
+    assert_int_equal(fclose(f), 0);
+    assert_int_equal(run("tiles --check '%s'", torn), 4);
+    assert_non_null(strstr(complained, "torn"));
+    assert_int_equal(run("tiles --check '%s' --json", torn), 4);
+    assert_int_equal(run("tiles --check scal"), 2);
+    assert_non_null(strstr(complained, "scale"));
+    assert_int_equal(run("tiles --check no-such.g2"), 3);
+    assert_int_equal(run("tiles --check '%s' --tile-cell 1,1,0,0", torn), 2);
 }
 
 // P(u,v) of patch 0 at (0,0) is its first control point, (1.4, 0, 2.4); T at w = 0 is S.
@@ -437,6 +465,7 @@ int main(void)
         cmocka_unit_test(usage_errors),
         cmocka_unit_test(help_starts_with_examples),
         cmocka_unit_test(tiles_as_json),
+        cmocka_unit_test(tiles_checked),
         cmocka_unit_test(eval_values),
         cmocka_unit_test(info_of_teapot),
         cmocka_unit_test(dry_run_reports_and_writes_nothing),

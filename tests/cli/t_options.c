@@ -235,6 +235,14 @@ static void resumed_runs(void **state)
     free(second);
     snprintf(journal, sizeof journal, "%s.journal", b);
     assert_false(exists(journal));
+
+    FILE *f = fopen(journal, "w"); // it is said which file is none
+    assert_non_null(f);
+    fputs("garbage", f);
+    assert_int_equal(fclose(f), 0);
+    assert_int_equal(run("apply '%s' --tile bump --count 4 -q --resume -o '%s'", base, b), 3);
+    assert_non_null(strstr(complained, "b.stl.journal: "));
+    assert_int_equal(remove(journal), 0);
 }
 
 int main(void)

@@ -5,6 +5,7 @@
 #include <knurl/knurl.h>
 
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 #if KN_WITH_LIB3MF
@@ -79,6 +80,52 @@ static void three_mf(void **state)
 #endif
 }
 
+// Whatever tiles are made of is cut: volumes by their faces, trimmed patches, which meet their neighbours.
+static void what_tiles_hold(void **state)
+{
+    (void)state;
+    char tube[PATH_BYTES], svg[PATH_BYTES];
+    static const struct {
+        const char *options;
+        bool closed;
+        long long least; // contours
+    } kinds[] = {{"--tile cross --count 4,2 --max-degree 40 --layer 0.5", true, 4},
+                 {"--tile knurl --count 8,3 --shift 0.3 --crossing trim --max-degree 40 --layer 0.5", true, 4}};
+    write_tube(tube);
+    test_tmp_path(svg, "kind.svg");
+    for (size_t i = 0; i < sizeof kinds / sizeof *kinds; i++) {
+        assert_int_equal(run("slice %s %s --normal-tol 1e-2 --height 0.1 --from 0 --to 2 --json -o %s", tube,
+                             kinds[i].options, svg),
+                         0);
+        json_t *o = printed_json();
+        assert_true(number(o, "contours") >= kinds[i].least);
+        if (kinds[i].closed) assert_int_equal(number(o, "open"), 0);
+        json_decref(o);
+    }
+    assert_int_equal(run("slice %s %s --mask 0 --layer 0.5 -o %s", tube, texture, svg), 3);
+    assert_non_null(strstr(complained, "no cell"));
+}
+
+static void the_same_bytes(void **state)
+{
+    (void)state;
+#if KN_WITH_LIB3MF
+    char tube[PATH_BYTES], path[PATH_BYTES], *bytes[2];
+    size_t n[2];
+    write_tube(tube);
+    test_tmp_path(path, "same.3mf");
+    for (int k = 0; k < 2; k++) {
+        assert_int_equal(run("slice %s %s --layer 0.5 -q -j %d -o %s", tube, texture, k + 1, path), 0);
+        bytes[k] = test_read_file(path, &n[k]);
+    }
+    assert_true(n[0] == n[1]);
+    assert_memory_equal(bytes[0], bytes[1], n[0]);
+    free(bytes[0]), free(bytes[1]);
+#else
+    skip();
+#endif
+}
+
 static void refusals(void **state)
 {
     (void)state;
@@ -104,6 +151,7 @@ static void refusals(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {cmocka_unit_test(layers), cmocka_unit_test(three_mf),
+                                       cmocka_unit_test(what_tiles_hold), cmocka_unit_test(the_same_bytes),
                                        cmocka_unit_test(refusals)};
     return cmocka_run_group_tests_name("cli/slice", tests, NULL, NULL);
 }
