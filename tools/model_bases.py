@@ -97,8 +97,8 @@ def main(data, folder):
     teapot = os.path.join(data, "teapot.bpt")
     scenes = {
         "chess.g2": revolved(PAWN, (-1.4, -0.3, 0)) + revolved(BISHOP, (1.4, 0.3, 0)),
-        "wicker.g2": (bezier_patches(teapot) + revolved(GLASS, (-4.8, -1.3, 0), 0.66)
-                      + revolved(GLASS, (-2.2, -3.3, 0), 0.66)),
+        "wicker.g2": (bezier_patches(teapot) + revolved(GLASS, (-4.8, -1.3, -0.1), 0.66)
+                      + revolved(GLASS, (-2.2, -3.3, -0.1), 0.66)),
         "vases.g2": revolved(VASE, (-1.8, 0, 0)) + revolved(BOTTLE, (1.6, 0.2, 0)),
         "hills.g2": "".join(hill(2.3 * k, 2, 0.25) for k in range(5)),
     }
