@@ -189,8 +189,8 @@ static inline void some_sums(double *restrict out, const double *restrict x, con
     for (int j = 0; j < width; j++) out[j] = s[j];
 }
 
-static void sums(double *restrict out, const double *restrict x, const double *restrict v, size_t stride, int n,
-                 size_t width)
+static inline void sums(double *restrict out, const double *restrict x, const double *restrict v, size_t stride,
+                        int n, size_t width)
 {
     size_t j = 0;
     for (; j + 8 <= width; j += 8) some_sums(out + j, x, v + j, stride, n, 8);

@@ -2,6 +2,7 @@
 // C = A B: panels of PANEL columns of B stay in the first cache while blocks of rows of A pass over them.
 #include "kernel/gemm.h"
 
+#include <stdbool.h>
 #include <string.h>
 
 #if defined(__x86_64__) && defined(__GNUC__)
@@ -172,22 +173,33 @@ static void last_panel(block run, double *const *c, size_t at, size_t columns, c
     for (int i = 0; i < rows; i++) memcpy(c[i] + at, copy[i], columns * sizeof(double));
 }
 
+static inline void gather_block(double *restrict to, const double *const *a, size_t rows, size_t k)
+{
+    for (size_t p = 0; p < k; p++)
+        for (size_t i = 0; i < rows; i++) to[p * rows + i] = a[i][p];
+}
+
 // Blocks of MOST_ROWS rows, or what is left, one after the other: k times a number of each.
 static void gather_rows(double *to, const double *const *a, size_t rows, size_t k)
 {
-    for (size_t first = 0; first < rows; first += MOST_ROWS) {
-        size_t m = rows - first < MOST_ROWS ? rows - first : MOST_ROWS;
-        for (size_t i = 0; i < m; i++)
-            for (size_t p = 0; p < k; p++) to[p * m + i] = a[first + i][p];
-        to += m * k;
-    }
+    size_t i = 0;
+    for (; i + MOST_ROWS <= rows; i += MOST_ROWS, to += MOST_ROWS * k) gather_block(to, a + i, MOST_ROWS, k);
+    gather_block(to, a + i, rows - i, k);
+}
+
+// Asks for part `index` of `count` of a panel.
+static void fetch(const double *panel, size_t k, size_t index, size_t count)
+{
+    for (size_t at = index * 2 * k / count; at < (index + 1) * 2 * k / count; at++)
+        __builtin_prefetch(panel + at * (PANEL / 2), 0, 2);
 }
 
 void kn_gemm_as(kn_gemm_kind kind, double *const *c, const double *const *a, size_t rows, const double *packed,
                 size_t k, size_t n, double *work)
 {
     block run = block_of(kind);
-    size_t together = k * n <= NUMBERS_TOGETHER ? ROWS_TOGETHER : rows;
+    bool large = k * n > NUMBERS_TOGETHER;
+    size_t together = large ? rows : ROWS_TOGETHER;
     gather_rows(work, a, rows, k);
     for (size_t first = 0; first < rows; first += together) {
         size_t end = rows - first < together ? rows : first + together;
@@ -195,6 +207,8 @@ void kn_gemm_as(kn_gemm_kind kind, double *const *c, const double *const *a, siz
         for (size_t at = 0; at < n; at += PANEL, panel += PANEL * k)
             for (size_t i = first; i < end; i += MOST_ROWS) {
                 int m = end - i < MOST_ROWS ? (int)(end - i) : MOST_ROWS;
+                if (large && at + PANEL < n)
+                    fetch(panel + PANEL * k, k, (i - first) / MOST_ROWS, (end - first + MOST_ROWS - 1) / MOST_ROWS);
                 if (at + PANEL <= n)
                     run(c + i, at, work + i * k, m, (size_t)m, panel, k);
                 else

@@ -13,6 +13,7 @@ typedef struct box {
     int cut[2];                    // of n
     bool plain;                    // inside the domain, without a knot of n in its interior
     bool inside;                   // inside the domain
+    bool knotless;                 // without a knot of n in its interior
     bool crosses[2];               // a knot of S in its interior
 } box;
 
@@ -27,16 +28,23 @@ static double between(double a, double b, double t)
     return t == 1.0 ? b : a + t * (b - a);
 }
 
-// Some interior break strictly between lo and hi, but for slack.
-static bool has_inside(const double *breaks, int n, double lo, double hi, double slack)
+// kn_interval for an x that is likely in the interval `near`.
+static int interval(const double *breaks, int n, double x, int near)
 {
-    int k = kn_interval(breaks, n, lo + slack) + 1; // the first break above lo + slack that has one below it
+    bool below = near > 0 && x < breaks[near], above = near < n - 2 && x >= breaks[near + 1];
+    return below || above ? kn_interval(breaks, n, x) : near;
+}
+
+// Some interior break strictly between lo and hi, but for slack.
+static bool has_inside(const double *breaks, int n, double lo, double hi, double slack, int near)
+{
+    int k = interval(breaks, n, lo + slack, near) + 1; // the first break above lo + slack that has one below it
     return k < n - 1 && breaks[k] < hi - slack;
 }
 
-static double snap(const double *breaks, int n, double x, double slack)
+static double snap(const double *breaks, int n, double x, double slack, int near)
 {
-    int k = kn_interval(breaks, n, x);
+    int k = interval(breaks, n, x, near);
     for (int i = k; i <= k + 1; i++)
         if (fabs(x - breaks[i]) <= slack) return breaks[i];
     return x;
@@ -48,9 +56,9 @@ static void place(box *b, const kn_shell *s, int v, int cell, double lo, double 
     if (s->closed[v]) {
         cell = (cell % cells + cells) % cells;
     } else {
-        int near = cell < 0 ? 0 : cell >= cells ? cells - 1 : cell;
-        lo += cell - near, hi += cell - near;
-        cell = near;
+        int end = cell < 0 ? 0 : cell >= cells ? cells - 1 : cell;
+        lo += cell - end, hi += cell - end;
+        cell = end;
     }
     const double *line = s->line[v];
     double first = line[0], last = line[cells];
@@ -58,15 +66,17 @@ static void place(box *b, const kn_shell *s, int v, int cell, double lo, double 
     if (s->closed[v] && a >= last) a -= last - first, c -= last - first;
     if (s->closed[v] && c <= first) a += last - first, c += last - first;
     b->slack[v] = fmin(0x1p-46 * (fabs(first) + fabs(last)), 1e-6 * (c - a));
-    b->lo[v] = a = snap(s->cut[v], s->ncuts[v], a, b->slack[v]);
-    b->hi[v] = c = snap(s->cut[v], s->ncuts[v], c, b->slack[v]);
+    int near = kn_interval(s->cut[v], s->ncuts[v], a + 0.5 * (c - a));
+    b->lo[v] = a = snap(s->cut[v], s->ncuts[v], a, b->slack[v], near);
+    b->hi[v] = c = snap(s->cut[v], s->ncuts[v], c, b->slack[v], near);
     double middle = a + 0.5 * (c - a);
     b->span[v] = kn_interval(s->knot[v], s->nknots[v], middle);
-    b->cut[v] = kn_interval(s->cut[v], s->ncuts[v], middle);
-    b->crosses[v] = has_inside(s->knot[v], s->nknots[v], a, c, b->slack[v]);
+    b->cut[v] = interval(s->cut[v], s->ncuts[v], middle, near);
+    b->crosses[v] = has_inside(s->knot[v], s->nknots[v], a, c, b->slack[v], b->span[v]);
     bool inside = a >= first && c <= last;
     b->inside = b->inside && inside;
-    b->plain = b->plain && inside && !has_inside(s->cut[v], s->ncuts[v], a, c, b->slack[v]);
+    b->knotless = b->knotless && !has_inside(s->cut[v], s->ncuts[v], a, c, b->slack[v], b->cut[v]);
+    b->plain = b->plain && inside && b->knotless;
 }
 
 // The box in the coordinates of an interval.
@@ -177,9 +187,7 @@ static kn_status find_normal(kn_ctx *ctx, restrictions *r, kn_bezier *n, kn_shel
     if (status == KN_OK && !b->plain)
         error = growth *
                 (error + kn_gamma(8.0 * (d->n.degree[0] + d->n.degree[1] + 4)) * kn_largest_vector(&d->n, 0, 3));
-    bool knots = false;
-    for (int v = 0; v < 2; v++) knots = knots || has_inside(s->cut[v], s->ncuts[v], b->lo[v], b->hi[v], b->slack[v]);
-    if (status == KN_OK && !knots) status = own_normal(ctx, r, n, p, fits, s, b, &direction, error);
+    if (status == KN_OK && b->knotless) status = own_normal(ctx, r, n, p, fits, s, b, &direction, error);
     if (status == KN_OK && !*fits) status = other_normal(ctx, n, p, fits, s, &direction, error, degree_sum);
     kn_bezier_clear(ctx, &direction);
     return status;
@@ -286,7 +294,7 @@ static void make_outline(kn_shell_piece *p, const kn_shell *s, const box *b)
 static kn_status find_box(kn_ctx *ctx, box *b, const kn_shell *shell, const int cell[2], const double lo[2],
                           const double hi[2])
 {
-    *b = (box){.plain = true, .inside = true};
+    *b = (box){.plain = true, .inside = true, .knotless = true};
     if (!kn_shell_has_terms(shell)) return kn_fail(ctx, KN_EDOMAIN, "shell piece: the volume has knots in w");
     for (int v = 0; v < 2; v++) {
         if (!(lo[v] < hi[v]) || !isfinite(hi[v] - lo[v]))
