@@ -118,9 +118,8 @@ __attribute__((target("avx512f"))) static inline double bench_flops_avx512(doubl
 }
 #endif
 
-// Flop/s of one thread with fused multiply-adds in the widest vectors of the machine (a multiplication and an
-// addition that are not fused reach half of it). The best of a few runs.
-static inline double bench_peak_flops(const char **isa)
+// The widest of them that the machine has.
+static inline bench_flops bench_peak_work(const char **isa)
 {
     bench_flops work = bench_flops_plain;
     *isa = "scalar, not fused";
@@ -128,6 +127,14 @@ static inline double bench_peak_flops(const char **isa)
     if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma")) work = bench_flops_avx2, *isa = "AVX2 FMA";
     if (__builtin_cpu_supports("avx512f")) work = bench_flops_avx512, *isa = "AVX-512 FMA";
 #endif
+    return work;
+}
+
+// Flop/s of one thread with fused multiply-adds in the widest vectors of the machine (a multiplication and an
+// addition that are not fused reach half of it). The best of a few runs.
+static inline double bench_peak_flops(const char **isa)
+{
+    bench_flops work = bench_peak_work(isa);
     double sink = 0.0, best = 0.0;
     for (int i = 0; i < 9; i++) {
         double start = bench_now(BENCH_THREAD), flops = work(&sink), rate = flops / (bench_now(BENCH_THREAD) - start);
