@@ -172,12 +172,23 @@ static int fail_on_run(cli_session *session, kn_status status, const cli_apply *
     return cli_fail_on(session, status, journal, false);
 }
 
+// Triangles have no room for curves.
+static void warn_of_curves(cli_session *session, const cli_apply *a, const kn_job_report *report)
+{
+    for (int i = 0; i < a->recipe.noutputs && report->curves > 0; i++) {
+        const char *path = a->recipe.outputs[i];
+        if (cli_has_ending(path, "stl") || cli_has_ending(path, "glb") || cli_has_ending(path, "gltf"))
+            cli_warn(session, "%s: the tile's curves are left out; .step and .obj hold them", path);
+    }
+}
+
 static int apply(cli_session *session, cli_apply *a, const cli_plan *plan, cli_timing *timing)
 {
     kn_ctx *ctx = cli_ctx(session);
     double bytes[CLI_MAX_OUTPUTS], began = cli_seconds();
     kn_status status = KN_OK;
     warn_of_receivers(session, a, &plan->report);
+    warn_of_curves(session, a, &plan->report);
     if (a->dry_run)
         for (int i = 0; i < a->recipe.noutputs; i++)
             bytes[i] = cli_estimate_bytes(a->recipe.outputs[i], &plan->report);

@@ -71,8 +71,9 @@ static bool set_jitter(kn_job_random *random, const char *name, const char *text
         int i = value ? cli_choice(name, which, names, 4, "angle, shift, scale or height") : -1;
         double most = i == 0 ? 360 : 1, number;
         if (i < 0 || !cli_double(name, value, &number)) return false;
-        if (!(number >= 0 && number <= most)) {
-            cli_error("%s: expected %s from 0 to %g, got '%s'", name, which, most, value);
+        bool scale = i == 2; // of nothing there would be nothing
+        if (!(number >= 0 && number <= most) || (scale && number == most)) {
+            cli_error("%s: expected %s from 0 %s %g, got '%s'", name, which, scale ? "to below" : "to", most, value);
             return false;
         }
         *to[i] = i == 0 ? number * (acos(-1.0) / 180.0) : number;

@@ -53,12 +53,15 @@ static kn_status give_up(kn_ctx *ctx, const kn_job_cell_plan *plan, const kn_job
     const char *name = plan->job->tile.parts[p->part].name;
     const kn_job_surface *s = &plan->job->surfaces[plan->surface];
     int cell[2] = {s->origin_cell[0] + plan->cell[0], s->origin_cell[1] + plan->cell[1]};
-    if (crosses)
+    if (crosses) {
+        bool refused = plan->job->options.crossing == KN_CROSSING_REFUSE && p->d.nvars < 3;
         return kn_fail(ctx, KN_EDOMAIN,
                        "job: patch %d of tile part \"%s\" crosses a knot line of surface %d in cell %d,%d, and not "
-                       "along a parameter line of its own: it can be cut along the line (--crossing trim), or kept "
-                       "whole within a tolerance (--crossing approximate)",
-                       p->patch, name, s->origin, cell[0], cell[1]);
+                       "along a parameter line of its own%s",
+                       p->patch, name, s->origin, cell[0], cell[1],
+                       refused ? ": --crossing trim cuts it along the line, --crossing approximate keeps it whole"
+                               : "");
+    }
     return kn_fail(ctx, KN_EUNDECIDED,
                    "job: no normal of low degree within the tolerance for patch %d of tile part \"%s\" in cell %d,%d "
                    "of surface %d, after %d bisections each way",
