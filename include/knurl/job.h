@@ -191,8 +191,9 @@ typedef struct kn_job_report {
     double cells_error;              // bound of |S in use - S(map)| with KN_CELLS_FREE; 0: exact
     int even_instead;                // parts, of nparts, that kept even lines and S with KN_CELLS_FREE
     double stretch_error;            // relative, of the heights that follow the stretch (kn_cells_stretch)
-    // Bound of |patch - T(D)|, and of the gap between patches, where tile patches cross knot lines (options.crossing),
-    // length units, rounding included; 0: none does.
+    // Bound of |patch - T(D)|, and of the gap between trimmed pieces, where tile patches cross knot lines
+    // (options.crossing), length units, rounding included; 0: none does. Patches that are approximated side by side
+    // may be of different degrees: their gap is at most twice that.
     double crossing_error;
     // The most that one patch's trim has: curves, and their spans (those of a degree above 1 count 8 times).
     size_t trim_curves, trim_spans;
