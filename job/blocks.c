@@ -2,7 +2,7 @@
 // The sequence of blocks, from the plan.
 #include "job/internal.h"
 
-enum { BLOCK_NUMBERS = 1 << 16 }; // coefficients of a block's patches, about: 2 MiB, which a second cache holds
+enum { BLOCK_NUMBERS = 1 << 18 }; // coefficients of a block's patches, about: 2 MiB, which a second cache holds
 
 // Takes cells of one entry into the block: as many as fill it, or all of those with plans of their own.
 static void take(kn_job_block *b, kn_job_cursor *at, const kn_job *job, size_t ncomp)
