@@ -199,6 +199,7 @@ gallery-moebius: VIEW := --azimuth 60 --elevation 30
 gallery-fur-gravity gallery-fur-wind: RECIPE := examples/gallery/fur.json
 gallery-fur-gravity: APPLY := --attraction 0,0,-2.2
 gallery-fur-wind: APPLY := --attraction 2.4,0.8,-0.4
+gallery-fur gallery-fur-gravity gallery-fur-wind: VIEW := --width 720 --height 540
 gallery-flower: VIEW := --height 260 --samples 64 --azimuth -25 --elevation 24
 $(GALLERY:%=gallery-%): gallery-%: $(KNURL)
 	@mkdir -p $(O)/gallery
