@@ -184,7 +184,7 @@ static kn_status triangles(const kn_spline *base)
         double seconds[5];
         size_t n = 0;
         for (int i = 0; i < 5 && status == KN_OK; i++)
-            status = write_stl(path, base, "scale", 32, 0.002, threads, &seconds[i], &n);
+            status = write_stl(path, base, "scale", 45, 0.002, threads, &seconds[i], &n);
         if (status != KN_OK) return status;
         double s = bench_median(seconds, 5);
         printf("from nothing to a closed STL file, %d thread%s: %zu triangles in %.2f s, %.2f million/s\n", threads,
