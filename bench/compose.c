@@ -114,8 +114,8 @@ static void calculate(void *user)
     for (int i = 0; i < 20; i++) a->flops += a->work(&a->sink);
 }
 
-// Patches per second with pieces of the degrees that n gets: in processor time of one thread, with what that is of the
-// peak; and on the clock on one and two threads.
+// Patches per second with pieces of the degrees that n gets: in processor time of one thread, with what that is of
+// the peak; and on the clock on one and two threads.
 static kn_status compose_whole(kn_ctx *ctx[2], const kn_spline *base, const kn_tile *tile, kn_normal_method normal,
                                int count, bool *failed)
 {
@@ -136,7 +136,7 @@ static kn_status compose_whole(kn_ctx *ctx[2], const kn_spline *base, const kn_t
     double flops = 2.0 * 3.0 * k * (double)r.control_points;
     printf("(%d,%d,1) to (%d,%d), %zu patches: %.0f patches/s of processor time, %.0f %% of the peak in turn (at the "
            "peak "
-           "alone %.0f)\n",
+           "the peak alone %.0f)\n",
            n->degree[0], n->degree[1], r.degree[0], r.degree[1], r.patches, patches / paired[1].seconds,
            100.0 * paired[1].ratio * flops / peak.flops,
            paired[1].ratio * patches / peak.flops * bench_peak_flops(&isa));

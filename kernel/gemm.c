@@ -34,8 +34,8 @@ void kn_gemm_pack(double *packed, const double *b, size_t k, size_t n, size_t ro
             for (size_t j = 0; j < PANEL; j++) packed[j] = first + j < n ? b[p * row + (first + j) * column] : 0.0;
 }
 
-// A block: c[i][at .. at + PANEL-1] = row i of A times a panel, i < rows <= MOST_ROWS, where A(i, p) is a[p * stride + i]:
-// one pointer to the numbers of all rows, for there are not registers for a pointer to each.
+// A block: c[i][at .. at + PANEL-1] = row i of A times a panel, i < rows <= MOST_ROWS, where A(i, p) is
+// a[p * stride + i]: one pointer to the numbers of all rows, for there are not registers for a pointer to each.
 typedef void (*block)(double *const *c, size_t at, const double *a, int rows, size_t stride, const double *b,
                       size_t k);
 
