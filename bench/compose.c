@@ -134,9 +134,8 @@ static kn_status compose_whole(kn_ctx *ctx[2], const kn_spline *base, const kn_t
     bench_compare(rivals, 2, BENCH_WALL);
     double k = 16.0 + (n->degree[0] + 1) * (n->degree[1] + 1), patches = (double)r.patches;
     double flops = 2.0 * 3.0 * k * (double)r.control_points;
-    printf("(%d,%d,1) to (%d,%d), %zu patches: %.0f patches/s of processor time, %.0f %% of the peak in turn (at the "
-           "peak "
-           "the peak alone %.0f)\n",
+    printf("(%d,%d,1) to (%d,%d), %zu patches: %.0f patches/s of processor time, %.0f %% of the peak in turn "
+           "(at the peak alone %.0f)\n",
            n->degree[0], n->degree[1], r.degree[0], r.degree[1], r.patches, patches / paired[1].seconds,
            100.0 * paired[1].ratio * flops / peak.flops,
            paired[1].ratio * patches / peak.flops * bench_peak_flops(&isa));
