@@ -3,6 +3,7 @@
 #include "job/run.h"
 #include "kernel/parallel.h"
 
+#include <math.h>
 #include <time.h>
 
 enum { STRIDE = 64 }; // blocks from one noted place to the next
@@ -119,7 +120,7 @@ static kn_status begin_sinks(kn_ctx *ctx, runner *r)
             if (!r->sinks[k].save || !r->sinks[k].restore)
                 return kn_fail(ctx, KN_EDOMAIN, "job: sink %d cannot be interrupted and gone on with", k);
         r->identity = kn_job_identity(r->job, r->notes->identity);
-        r->noted_at = now();
+        r->noted_at = -INFINITY; // the first block is noted, so that soon there is something to go on from
     }
     if (r->notes && r->notes->state) {
         kn_job_state state = {r->identity, 0, r->nblocks, r->notes->state, r->notes->bytes};
