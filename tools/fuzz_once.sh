@@ -6,7 +6,8 @@ program=$1 folder=$2 runs=$3
 name=$(basename "$program")
 case $name in # an input of these is a program of calls
 fuzz_bpt | fuzz_g2) ;;
-fuzz_shell | fuzz_kinds) runs=$((runs / 100)) ;;
+fuzz_shell | fuzz_kinds | fuzz_model | fuzz_tiling) runs=$((runs / 100)) ;;
+fuzz_trim) runs=$((runs / 200)) ;;
 fuzz_fold) runs=$((runs / 400)) ;; # an answer takes tens of milliseconds
 *) runs=$((runs / 25)) ;;
 esac

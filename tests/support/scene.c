@@ -184,9 +184,9 @@ static kn_status commit(kn_ctx *ctx, void *user, const kn_patch_block *block, vo
         kn_patch *to = &r->patches[r->count++];
         *to = block->patches[i];
         size_t n = (size_t)to->bezier.ncomp * kn_bezier_count(&to->bezier);
-        double *copy = malloc(n * sizeof *copy);
+        double *copy = malloc((n + 1) * sizeof *copy); // n is 0 for a mesh
         assert_non_null(copy);
-        memcpy(copy, to->bezier.coef, n * sizeof *copy);
+        if (n > 0) memcpy(copy, to->bezier.coef, n * sizeof *copy);
         to->bezier.coef = copy;
         if (to->mesh) to->mesh = copy_mesh(to->mesh);
     }
