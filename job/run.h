@@ -17,7 +17,7 @@ kn_status kn_job_make_matrices(kn_ctx *ctx, kn_job_matrix **out, const kn_job *j
 // The one that composes d, in the coordinates of its box, as the key says: rows is the composed degree.
 kn_status kn_job_make_matrix(kn_ctx *ctx, kn_job_matrix *out, const kn_bezier *d, const kn_job_key *key,
                              const int rows[KN_JOB_VARS]);
-void kn_job_free_matrices(kn_ctx *ctx, const kn_job *job, kn_job_matrix *matrices);
+void kn_job_free_matrices(kn_ctx *ctx, const kn_job *job, kn_job_matrix *list);
 
 // ---- compose_block.c ----
 // The patches of a block with all that they borrow.
