@@ -288,6 +288,7 @@ lint: tidy cppcheck
 tidy: $(patsubst %,$(B)/tidy/%.ok,$(LINT_C) $(LINT_CXX))
 $(B)/tidy/cli/%.ok $(B)/tidy/tests/%.ok: CPP += $(WITH)
 $(B)/tidy/bridges/occt/%.ok $(B)/tidy/tests/bridges/%.ok: CPP += $(CPP_occt)
+$(B)/tidy/bridges/lib3mf/%.ok: CPP += $(CPP_lib3mf)
 $(B)/tidy/%.c.ok: %.c $(PROJECT_HEADERS) .clang-tidy tests/.clang-tidy
 	@mkdir -p $(@D)
 	$(call say,TIDY,$<)

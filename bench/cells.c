@@ -68,7 +68,7 @@ int main(int argc, char **argv)
 {
     static const char *const names[3] = {"count", "STL", "STEP"};
     static const int counts[4] = {32, 100, 316, 1000};
-    int most = argc > 1 ? atoi(argv[1]) : 5;
+    int most = argc > 1 ? (int)strtol(argv[1], NULL, 10) : 5;
     printf("sink        cells   plan us/cell  compose and write us/cell  both, over that of 1e3  peak MiB\n");
     for (int kind = 0; kind < 3; kind++) {
         double first = 0.0;

@@ -166,28 +166,25 @@ typedef struct cli_vary {
 } cli_vary;
 typedef struct cli_job {
     const char *base, *tile; // tile NULL: none
+    double unit_mm;
     double cell[4];
-    bool has_cell;
-    kn_job_options options; // lengths and fields once cli_job_begin has filled them in
     cli_length size[2], height, offset, mesh_tol, cells_tol, crossing_tol, scatter, taper, slab[2];
-    bool has_size;
+    kn_job_options options; // lengths and fields once cli_job_begin has filled them in
     cli_field field[CLI_FIELDS];
     cli_scalar mask;
-    int faces[CLI_MAX_FACES], nfaces;
-    kn_job_view view;
-    double camera[7]; // eye, what it looks at, degrees
-    bool has_camera;
     cli_vary vary[CLI_MAX_VARY];
     kn_job_vary varied[CLI_MAX_VARY];
-    int nvary;
-    char name[KN_NAME_BYTES]; // of the layer, in a recipe
-    int on;                   // the layer that is its base, counted from 1; 0: the recipe's base
-    bool base_only;           // it is not written itself
-    double unit_mm;
-    int threads;
-    bool json, quiet;
-    bool recipe_cells;          // count or size came from a recipe: an option replaces them
+    kn_job_view view;
+    double camera[7];           // eye, what it looks at, degrees
     uint64_t given[CLI_THEMES]; // bit i of theme t: its option i was given
+    int faces[CLI_MAX_FACES], nfaces, nvary;
+    int on; // the layer that is its base, counted from 1; 0: the recipe's base
+    int threads;
+    bool has_cell, has_size, has_camera;
+    bool base_only; // it is not written itself
+    bool json, quiet;
+    bool recipe_cells;        // count or size came from a recipe: an option replaces them
+    char name[KN_NAME_BYTES]; // of the layer, in a recipe
 } cli_job;
 
 cli_job cli_job_defaults(void);

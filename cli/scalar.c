@@ -102,7 +102,7 @@ int cli_scalar_begin(cli_session *session, cli_scalar *scalar, const char *name,
 void cli_scalar_end(cli_session *session, cli_scalar *scalar)
 {
     kn_spline_clear(cli_ctx(session), &scalar->spline);
-    kn_free(cli_ctx(session), (void *)(uintptr_t)scalar->samples.values);
+    kn_free(cli_ctx(session), (void *)scalar->samples.values);
     end_expression(session, scalar);
     *scalar = (cli_scalar){.text = scalar->text};
 }

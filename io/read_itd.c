@@ -105,7 +105,7 @@ static kn_status parse_point(kn_scan *scan, kn_net *net, size_t n, size_t k)
 // Counts, and orders of what is no Bezier spline.
 static kn_status parse_counts(kn_scan *scan, kn_net *net, bool bezier)
 {
-    int order[KN_NET_VARIABLES];
+    int order[KN_NET_VARIABLES] = {0};
     kn_status status = KN_OK;
     for (int d = 0; d < net->nvars && status == KN_OK; d++)
         status = kn_scan_int(scan, &net->count[d], "number of control points", 1, INT_MAX / 2);

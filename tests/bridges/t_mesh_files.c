@@ -223,11 +223,11 @@ static void grey_levels(void **state)
     assert_true(s.n[0] == 2 && s.n[1] == 2 && !s.closed[0] && !s.closed[1]);
     static const double expected[] = {0.2126, 0, 0.2, 1};
     for (int i = 0; i < 4; i++) assert_true(fabs(s.values[i] - expected[i]) <= 1e-15);
-    kn_free(ctx, (void *)(uintptr_t)s.values);
+    kn_free(ctx, (void *)s.values);
     assert_int_equal(kn_png_write(ctx, path, pixels + 9, 1, 1, 3), KN_OK); // one pixel is doubled
     assert_int_equal(kn_png_read_gray(ctx, &s, path), KN_OK);
     assert_true(s.n[0] == 2 && s.n[1] == 2 && fabs(s.values[3] - 0.2) <= 1e-15);
-    kn_free(ctx, (void *)(uintptr_t)s.values);
+    kn_free(ctx, (void *)s.values);
 
     size_t bytes;
     char *file = test_read_file(path, &bytes);
@@ -260,7 +260,7 @@ static kn_status read_grey(kn_ctx *ctx, void *path)
     kn_field_samples s = {0};
     kn_status status = kn_png_read_gray(ctx, &s, path);
     if (status != KN_OK) assert_null(s.values);
-    kn_free(ctx, (void *)(uintptr_t)s.values);
+    kn_free(ctx, (void *)s.values);
     return status;
 }
 

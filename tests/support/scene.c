@@ -167,7 +167,7 @@ static void free_mesh(const kn_mesh *mesh)
     free(mesh->position);
     free(mesh->normal);
     free(mesh->triangle);
-    free((void *)(uintptr_t)mesh);
+    free((void *)mesh);
 }
 
 static kn_status commit(kn_ctx *ctx, void *user, const kn_patch_block *block, void *product)
