@@ -19,7 +19,7 @@ typedef struct posture {
 struct kn_job_tiling {
     int over[2]; // stagger[d] = over[d] / under[d]
     int under[2];
-    bool extra[2]; // beyond the lower end of d there is no cell, and a tile that reaches in
+    int extra[2]; // beyond the lower end of d there is no cell, and a tile that reaches in
     double turned[3][4];
     double cuts[2][MOST_CUTS]; // kn_job_take_cuts
     int ncuts[2];
