@@ -12,6 +12,9 @@
 // INFINITY where coefficients are not finite. KN_ENOMEM.
 kn_status kn_bezier_norm_bound(kn_ctx *ctx, double *bound, double *least, const kn_bezier *d, double radius);
 
+// The largest Euclidean norm of a coefficient vector, components first .. first+count-1, to a few roundings.
+double kn_largest_vector(const kn_bezier *b, int first, int count);
+
 // x with the rounding of a few operations on top: upper bounds stay upper bounds.
 static inline double kn_round_up(double x)
 {

@@ -14,17 +14,10 @@ typedef struct strip {
     double lo[2], hi[2]; // in the coordinates of the place's cell; exact
 } strip;
 
-// The largest Euclidean norm of components first .. last - 1.
+// The largest Euclidean norm of components first .. last - 1, rounded up.
 static double largest(const kn_bezier *b, int first, int last)
 {
-    double most = 0.0;
-    size_t n = kn_bezier_count(b);
-    for (size_t k = 0; k < n; k++) {
-        double square = 0.0;
-        for (int c = first; c < last; c++) square += b->coef[(size_t)c * n + k] * b->coef[(size_t)c * n + k];
-        most = fmax(most, kn_round_up(sqrt(square)));
-    }
-    return most;
+    return kn_round_up(kn_largest_vector(b, first, last - first));
 }
 
 // A term over the strip; *wrong: by how much its coefficients may be, relative to the term's largest: where the strip

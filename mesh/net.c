@@ -186,7 +186,7 @@ void kn_mesh_add_triangle(kn_mesh *mesh, size_t p, size_t q, size_t r)
 kn_status kn_mesh_reserve(kn_ctx *ctx, kn_mesh *mesh, size_t vertices, size_t triangles)
 {
     size_t need = mesh->nvertices + vertices, room = mesh->vertex_room + mesh->vertex_room / 2;
-    if (need > mesh->vertex_room) {
+    if (need > mesh->vertex_room || (need > 0 && !mesh->normal)) {
         room = room > need ? room : need;
         double *position = kn_resize(ctx, mesh->position, room, 3 * sizeof *position);
         if (!position) return KN_ENOMEM;

@@ -7,6 +7,7 @@
 // coefficients. Each gets half of the tolerance.
 #include "slice/internal.h"
 
+#include "bezier/norm_bound.h"
 #include "kernel/bernstein.h"
 #include "solve/curves.h"
 
@@ -19,18 +20,6 @@
 typedef struct bounds {
     double first, second; // L and M of (x, y)
 } bounds;
-
-static double largest(const kn_bezier *b, int from, int n)
-{
-    double most = 0.0;
-    size_t count = kn_bezier_count(b);
-    for (size_t i = 0; i < count; i++) {
-        double sum = 0.0;
-        for (int c = from; c < from + n; c++) sum += b->coef[(size_t)c * count + i] * b->coef[(size_t)c * count + i];
-        most = fmax(most, sum);
-    }
-    return sqrt(most);
-}
 
 // (x - cx w, y - cy w, w) as one polynomial: c the patch's first corner.
 static kn_status centred(kn_ctx *ctx, kn_bezier *out, double *least_weight, const kn_bezier *p)
@@ -60,7 +49,8 @@ static kn_status find_bounds(kn_ctx *ctx, bounds *out, const kn_bezier *p)
     kn_status status = centred(ctx, &d[ALL], &w, p);
     for (int k = R; status == KN_OK && k < N; k++)
         status = kn_bezier_derivative(ctx, &d[k], &d[k <= T ? ALL : k == TT ? T : R], k == T || k == RT || k == TT);
-    for (int k = 0; status == KN_OK && k < N; k++) x[k] = largest(&d[k], 0, 2), v[k] = largest(&d[k], 2, 1);
+    for (int k = 0; status == KN_OK && k < N; k++)
+        x[k] = kn_largest_vector(&d[k], 0, 2), v[k] = kn_largest_vector(&d[k], 2, 1);
     if (status == KN_OK) {
         double at = x[ALL] / w, first[2] = {(x[R] + v[R] * at) / w, (x[T] + v[T] * at) / w};
         double rr = (x[RR] + 2.0 * v[R] * first[0] + v[RR] * at) / w;

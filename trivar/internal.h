@@ -3,6 +3,8 @@
 #ifndef TRIVAR_INTERNAL_H
 #define TRIVAR_INTERNAL_H
 
+#include "bezier/norm_bound.h"
+
 #include <knurl/shell.h>
 
 // The direction of the normal of S over one of its knot spans, a polynomial in [0,1]^2 of that span, three
@@ -79,8 +81,6 @@ kn_row kn_edge_row(const int count[2], int var, int end);
 bool kn_one_point(const double *coef, size_t size, bool rational, const kn_row *row, double near);
 // The interval of breaks[0 .. n-1] that serves x: the right-hand one at a break, the end ones outside.
 int kn_interval(const double *breaks, int n, double x);
-// The largest Euclidean norm of a coefficient vector, components first .. first+count-1.
-double kn_largest_vector(const kn_bezier *b, int first, int count);
 // u-bound of k roundings: k u / (1 - k u).
 double kn_gamma(double k);
 enum { KN_LEAST_DEGREE = 3 }; // of n in one variable, or of m where n = N m
