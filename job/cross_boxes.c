@@ -57,17 +57,34 @@ void kn_crossing_init(bool *yes, kn_crossing *x, kn_job_cell_plan *plan, const k
     x->top = fmax(fabs(w[0]), fabs(w[1]));
 }
 
-// The interval of the box in one variable: all of a cell (whole) where the patch meets one cell of it, else sides
-// on multiples of an eighth, between the knots.
-static void interval(double *lo, double *hi, int *shift, const kn_crossing *x, int var, int k, bool whole)
+// How close around D: all of a cell, where the patch meets one cell of it; sides on multiples of an eighth; or of a
+// power of two that is an eighth to a quarter of D's width (kn_job_box).
+typedef enum reach { WHOLE, EIGHTHS, CLOSE, REACHES } reach;
+
+static double step_of(const kn_crossing *x, int var, reach how)
+{
+    int exponent;
+    (void)frexp(fmax((x->hi[var] - x->lo[var]) / 4.0, 0x1p-10), &exponent);
+    return how == CLOSE && exponent - 1 < -3 ? ldexp(1.0, exponent - 1) : 0.125;
+}
+
+// The interval of the box in one variable, between the knots.
+static void interval(double *lo, double *hi, int *shift, const kn_crossing *x, int var, int k, reach how)
 {
     double from = k > 0 ? x->line[var][k - 1] : -INFINITY, to = k < x->n[var] ? x->line[var][k] : INFINITY;
-    double a = fmax(floor(x->lo[var] * 8.0) / 8.0, from), b = fmin(ceil(x->hi[var] * 8.0) / 8.0, to);
-    if (!(b > a)) b = a + 0.125; // D lies on a line of eighths, and on no knot
+    double step = step_of(x, var, how);
+    double a = fmax(floor(x->lo[var] / step) * step, from), b = fmin(ceil(x->hi[var] / step) * step, to);
     const kn_job_surface *s = &x->plan->job->surfaces[x->place->surface];
-    double cell = floor(a), first = -x->place->cell[var], last = first + s->cells[var] - 1;
+    double first = -x->place->cell[var], last = first + s->cells[var] - 1;
+    if (!(b > a)) { // D lies on a line of steps, and on no knot
+        if (!s->closed[var] && a == last + 1.0)
+            a -= step;
+        else
+            b = a + step;
+    }
+    double cell = floor(a);
     if (!s->closed[var]) cell = fmin(fmax(cell, first), last); // the end cells go on beyond the domain
-    if (whole && a >= cell && b <= cell + 1.0) a = cell, b = cell + 1.0;
+    if (how == WHOLE && a >= cell && b <= cell + 1.0) a = cell, b = cell + 1.0;
     *shift = (int)cell;
     *lo = a - cell, *hi = b - cell;
 }
@@ -118,13 +135,13 @@ static kn_status weight_stays(kn_ctx *ctx, bool *yes, const kn_crossing *x, int 
     return status;
 }
 
-static kn_status try_piece(kn_ctx *ctx, bool *fits, kn_crossing *x, int i, int j, bool whole)
+static kn_status try_piece(kn_ctx *ctx, bool *fits, kn_crossing *x, int i, int j, reach how)
 {
     const int at[2] = {i, j};
     double lo[2], hi[2];
     kn_job_place place = *x->place;
     for (int c = 0; c < 2; c++) {
-        interval(&lo[c], &hi[c], &x->shift[i][j][c], x, c, at[c], whole);
+        interval(&lo[c], &hi[c], &x->shift[i][j][c], x, c, at[c], how);
         place.cell[c] += x->shift[i][j][c];
     }
     kn_status status = kn_job_pieces_get(ctx, &x->piece[i][j], &x->plan->pieces, &place, lo, hi);
@@ -133,12 +150,15 @@ static kn_status try_piece(kn_ctx *ctx, bool *fits, kn_crossing *x, int i, int j
     return *fits ? weight_stays(ctx, fits, x, i, j) : KN_OK;
 }
 
-// Over a whole cell where there is a piece, and else closely around D: n may be no single polynomial over the cell,
-// or none beyond the domain.
+// Over a whole cell where there is a piece, and else ever more closely around D: n may be no single polynomial over the
+// cell, and beyond the domain S may turn faster than anywhere on it.
 kn_status kn_crossing_piece(kn_ctx *ctx, bool *fits, kn_crossing *x, int i, int j)
 {
-    kn_status status = try_piece(ctx, fits, x, i, j, true);
-    return status == KN_OK && !*fits ? try_piece(ctx, fits, x, i, j, false) : status;
+    kn_status status = KN_OK;
+    *fits = false;
+    for (reach how = WHOLE; status == KN_OK && !*fits && how < REACHES; how++)
+        status = try_piece(ctx, fits, x, i, j, how);
+    return status;
 }
 
 kn_status kn_crossing_pieces(kn_ctx *ctx, bool *fit, kn_crossing *x)
