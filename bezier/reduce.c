@@ -53,10 +53,14 @@ kn_status kn_bezier_reduce_axis(kn_ctx *ctx, kn_bezier *c, bool *exact, const kn
     if (e.first && e.w && room) {
         e.terms = e.first + n + 1;
         kn_bernstein_elevation(&e, m, n);
-        kn_projection_factor(&p, &e, m + 1, true, room + x.inner);
-        for (size_t o = 0; o < x.outer; o++)
-            kn_projection_solve(&p, low.coef + o * (size_t)(m + 1) * x.inner, a->coef + o * (size_t)(n + 1) * x.inner,
-                                x.inner, room);
+        kn_projection_factor(&p, &e, m + 1, 1, room + x.inner);
+        for (size_t o = 0; o < x.outer; o++) {
+            double *to = low.coef + o * (size_t)(m + 1) * x.inner;
+            const double *from = a->coef + o * (size_t)(n + 1) * x.inner;
+            memcpy(to, from, x.inner * sizeof *to);
+            memcpy(to + (size_t)m * x.inner, from + (size_t)n * x.inner, x.inner * sizeof *to);
+            kn_projection_solve(&p, to, from, x.inner, room);
+        }
         restore_lines(low.coef, exact, a->coef, x.outer, n, m, x.inner);
         *c = low;
     } else {

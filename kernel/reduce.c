@@ -24,14 +24,14 @@ static double weight(const kn_band *e, int i, int k)
     return e->divisor != 0.0 && e->terms[i] > 1 ? w / e->divisor : w;
 }
 
-void kn_projection_factor(kn_projection *p, const kn_band *e, int columns, bool ends, double *room)
+void kn_projection_factor(kn_projection *p, const kn_band *e, int columns, int fixed, double *room)
 {
     size_t width = (size_t)e->width;
-    *p = (kn_projection){.e = e, .columns = columns, .ends = ends && columns > 1, .r = room};
+    *p = (kn_projection){.e = e, .columns = columns, .fixed = columns > 1 ? fixed : 0, .r = room};
     p->turns = room + (size_t)columns * width;
     p->row = p->turns + 2 * (size_t)e->rows * width;
     memset(room, 0, kn_projection_room(e->rows, columns, e->width) * sizeof *room);
-    int cut = p->ends, free = columns - 2 * cut; // unknowns: columns cut .. columns - cut - 1
+    int cut = p->fixed, free = columns - 2 * cut; // unknowns: columns cut .. columns - cut - 1
     for (int i = cut; i < e->rows - cut; i++) {
         int first = e->first[i] > cut ? e->first[i] - cut : 0;
         memset(p->row, 0, width * sizeof *p->row);
@@ -46,24 +46,22 @@ void kn_projection_factor(kn_projection *p, const kn_band *e, int columns, bool 
 void kn_projection_solve(const kn_projection *p, double *d, const double *b, size_t inner, double *work)
 {
     const kn_band *e = p->e;
-    int cut = p->ends, free = p->columns - 2 * cut;
-    const double *low = b, *high = b + (size_t)(e->rows - 1) * inner;
+    int cut = p->fixed, free = p->columns - 2 * cut;
     double *x = d + (size_t)cut * inner;
-    memset(d, 0, (size_t)p->columns * inner * sizeof *d);
+    if (free <= 0) return;
+    memset(x, 0, (size_t)free * inner * sizeof *x);
     for (int i = cut; i < e->rows - cut; i++) {
         memcpy(work, b + (size_t)i * inner, inner * sizeof *work);
-        for (int k = 0; k < e->terms[i] && p->ends; k++) {
+        for (int k = 0; k < e->terms[i] && cut > 0; k++) {
             int column = e->first[i] + k;
-            const double *known = column == 0 ? low : column == p->columns - 1 ? high : NULL;
-            for (size_t q = 0; known && q < inner; q++) work[q] -= weight(e, i, k) * known[q];
+            if (column >= cut && column < p->columns - cut) continue;
+            const double *known = d + (size_t)column * inner;
+            for (size_t q = 0; q < inner; q++) work[q] -= weight(e, i, k) * known[q];
         }
         int first = e->first[i] > cut ? e->first[i] - cut : 0;
         kn_banded_turn_data(x, free, e->width, work, first, p->turns + 2 * (size_t)i * (size_t)e->width, inner);
     }
-    if (free > 0) kn_banded_back(p->r, free, e->width, x, inner);
-    if (!p->ends) return;
-    memcpy(d, low, inner * sizeof *d);
-    memcpy(d + (size_t)(p->columns - 1) * inner, high, inner * sizeof *d);
+    kn_banded_back(p->r, free, e->width, x, inner);
 }
 
 // C(n,i) b_i = sum_k C(m,k) C(n-m,i-k) p_k.

@@ -9,17 +9,16 @@
 #include "kernel/knots.h"
 
 // ---- least squares against a banded map E, the coefficients of an elevation ----
-// d minimises |E d - b| (Euclidean). ends: d's first and last number are b's, and the others minimise what is left;
-// the first and last row of E are then copies of d's first and last number. By Givens rotations (kernel/banded.h).
+// d minimises |E d - b| (Euclidean). fixed: so many numbers at each end of d are the caller's, and the others minimise
+// what is left; as many rows of E at each end have none of the others. By Givens rotations (kernel/banded.h).
 typedef struct kn_projection {
     const kn_band *e; // with terms[], first[] not decreasing
-    int columns;
-    bool ends;
+    int columns, fixed;
     double *r, *turns, *row; // kn_projection_room numbers in all, from r on
 } kn_projection;
 size_t kn_projection_room(int rows, int columns, int width);
-void kn_projection_factor(kn_projection *p, const kn_band *e, int columns, bool ends, double *room);
-// d (columns, inner) from b (rows, inner); work: inner numbers.
+void kn_projection_factor(kn_projection *p, const kn_band *e, int columns, int fixed, double *room);
+// d (columns, inner), the numbers that are fixed filled in, from b (rows, inner); work: inner numbers.
 void kn_projection_solve(const kn_projection *p, double *d, const double *b, size_t inner, double *work);
 
 // ---- Bernstein form ----

@@ -124,6 +124,11 @@ static kn_status solve(kn_ctx *ctx, work *w, bool *same)
     double *memory = status == KN_OK ? kn_scratch(ctx, room + w->width, sizeof *memory) : NULL;
     if (!memory) return status == KN_OK ? KN_ENOMEM : status;
     kn_projection_factor(&p, &w->e, w->count, w->q > 0, memory + w->width);
+    if (w->q > 0) {
+        memcpy(w->d, w->c, w->width * sizeof *w->d);
+        memcpy(w->d + (size_t)(w->count - 1) * w->width, w->c + (size_t)(w->fine - 1) * w->width,
+               w->width * sizeof *w->d);
+    }
     kn_projection_solve(&p, w->d, w->c, w->width, memory);
     if (w->fine != w->rows.count) *same = false;
     return restore_lines(ctx, w, same);

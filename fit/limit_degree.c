@@ -1,0 +1,396 @@
+// SPDX-License-Identifier: Apache-2.0
+// Pieces of any degree as splines of limited degree, within a certified tolerance: for receivers that end at degree
+// 25, 15, 11 or 3.
+//
+// Along each variable a linear map keeps values and first derivatives at the ends of equal spans. So what becomes of
+// an edge depends on the edge alone, what becomes of the first derivative across it on that derivative alone, and
+// pieces that join C1 do so still where they have as many spans. An edge has no more spans than it needs by itself;
+// where the inside needs more, the edge of the inside is replaced by it, with knots inserted, and the row beside it
+// moves along, so that the derivative across stays.
+#include "fit/limit.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "bezier/norm_bound.h"
+#include "bezier/shape.h"
+#include "kernel/bernstein.h"
+
+enum { MOST_LEVEL = 10 };
+
+typedef struct fit {
+    const kn_bezier *a;
+    const kn_fit_limits *limits;
+    kn_limit_axis axis[KN_MAX_VARS];
+    double *coef; // ncomp arrays of the axes' counts
+    double error;
+} fit;
+
+static size_t comps(const fit *f)
+{
+    return (size_t)f->a->ncomp;
+}
+
+// ---- the map, axis by axis ----
+
+typedef size_t axis_size(const kn_limit_axis *x);
+static size_t from_size(const kn_limit_axis *x)
+{
+    return (size_t)x->from + 1;
+}
+static size_t from_apart(const kn_limit_axis *x)
+{
+    return from_size(x) << x->level;
+}
+
+// Numbers of one component when axes before `var` have the size `after`, and the others `before`.
+static void sizes(const fit *f, int var, axis_size *before, axis_size *after, size_t *outer, size_t *inner)
+{
+    *outer = comps(f), *inner = 1;
+    for (int v = 0; v < f->a->nvars; v++) {
+        if (v < var) *outer *= after(&f->axis[v]);
+        if (v > var) *inner *= before(&f->axis[v]);
+    }
+}
+
+static kn_status fitted(kn_ctx *ctx, double *out, const double *in, size_t outer, const kn_limit_axis *x,
+                        size_t inner)
+{
+    double *matrix;
+    kn_status status = kn_limit_matrix(ctx, &matrix, x);
+    if (status == KN_OK) kn_bernstein_transform(out, in, outer, (int)kn_limit_count(x), x->from + 1, inner, matrix);
+    return status;
+}
+
+static kn_status spread(kn_ctx *ctx, double *out, const double *in, size_t outer, const kn_limit_axis *x,
+                        size_t inner)
+{
+    (void)ctx;
+    kn_limit_spread(out, in, outer, x, inner);
+    return KN_OK;
+}
+
+// *out, in scratch: `in` mapped along every axis on which anything changes.
+static kn_status along_axes(kn_ctx *ctx, double **out, const double *in, const fit *f, axis_size *before,
+                            axis_size *after, bool (*idle)(const kn_limit_axis *x),
+                            kn_status (*map)(kn_ctx *, double *, const double *, size_t, const kn_limit_axis *,
+                                             size_t))
+{
+    size_t outer, inner, all = comps(f);
+    for (int v = 0; v < f->a->nvars; v++) all *= before(&f->axis[v]);
+    *out = kn_scratch(ctx, all, sizeof **out);
+    if (!*out) return KN_ENOMEM;
+    memcpy(*out, in, all * sizeof **out);
+    for (int v = 0; v < f->a->nvars; v++) {
+        const kn_limit_axis *x = &f->axis[v];
+        if (idle(x)) continue;
+        sizes(f, v, before, after, &outer, &inner);
+        double *next = kn_scratch(ctx, outer * after(x) * inner, sizeof *next);
+        if (!next) return KN_ENOMEM;
+        kn_status status = map(ctx, next, *out, outer, x, inner);
+        if (status != KN_OK) return status;
+        *out = next;
+    }
+    return KN_OK;
+}
+
+static bool is_kept(const kn_limit_axis *x)
+{
+    return x->from == x->to;
+}
+static bool is_one_span(const kn_limit_axis *x)
+{
+    return x->level == 0;
+}
+
+// ---- the certificate ----
+
+// out (ncomp, size..) = the block of in (ncomp, of..) that begins at `at`.
+static void block(double *out, const double *in, size_t ncomp, int nvars, const size_t *of, const size_t *at,
+                  const size_t *size)
+{
+    size_t stride = 1, run = nvars > 0 ? size[nvars - 1] : 1, rows = ncomp;
+    for (int v = 0; v < nvars; v++) {
+        stride *= of[v];
+        if (v < nvars - 1) rows *= size[v];
+    }
+    for (size_t r = 0; r < rows; r++) {
+        size_t rest = r, place = 0, step = of[nvars - 1];
+        for (int v = nvars - 2; v >= 0; v--) {
+            place += (at[v] + rest % size[v]) * step;
+            rest /= size[v];
+            step *= of[v];
+        }
+        memcpy(out + r * run, in + rest * stride + place + at[nvars - 1], run * sizeof *out);
+    }
+}
+
+// *bound grows to that of the spans at place `span`; mine and theirs: all spans apart, of the fit and of the piece.
+static kn_status compare_spans(kn_ctx *ctx, fit *f, double least[1], const double *mine, const double *theirs,
+                               const size_t *span)
+{
+    const kn_bezier *a = f->a;
+    size_t of[2][KN_MAX_VARS], at[2][KN_MAX_VARS], size[2][KN_MAX_VARS], all = comps(f);
+    double steps = 4.0;
+    for (int v = 0; v < a->nvars; v++) {
+        const kn_limit_axis *x = &f->axis[v];
+        size[0][v] = (size_t)x->to + 1, size[1][v] = from_size(x);
+        of[0][v] = kn_limit_apart(x), of[1][v] = from_apart(x);
+        for (int k = 0; k < 2; k++) at[k][v] = span[v] * size[k][v];
+        all *= size[1][v];
+        steps += x->level > 0 ? 5.0 * x->from + 2.0 : 0.0;
+        steps += is_kept(x) ? 0.0 : fmin(x->from - x->to, x->to) + 3.0;
+    }
+    double *p = kn_scratch(ctx, all, sizeof *p), *q = kn_scratch(ctx, all, sizeof *q);
+    kn_bezier d = *a;
+    d.coef = kn_scratch(ctx, all, sizeof *d.coef);
+    if (!p || !q || !d.coef) return KN_ENOMEM;
+    block(p, theirs, comps(f), a->nvars, of[1], at[1], size[1]);
+    block(q, mine, comps(f), a->nvars, of[0], at[0], size[0]);
+    size_t outer = comps(f), n = all / comps(f);
+    for (int v = 0; v < a->nvars; v++) { // q raised to the piece's degrees
+        const kn_limit_axis *x = &f->axis[v];
+        size_t inner = 1;
+        for (int w = v + 1; w < a->nvars; w++) inner *= size[0][w];
+        if (!is_kept(x)) {
+            double *next = kn_scratch(ctx, outer * size[1][v] * inner, sizeof *next);
+            if (!next) return KN_ENOMEM;
+            kn_bernstein_elevate(next, q, outer, x->to, x->from, inner);
+            q = next;
+        }
+        outer *= size[1][v];
+    }
+    for (size_t i = 0; i < all; i++) d.coef[i] = p[i] - q[i];
+    kn_deviation deviation;
+    kn_parts rounding = {0.0, 0.0};
+    kn_parts_add(&rounding, kn_gamma_up(steps), a->coef, kn_bezier_count(a), a->ncomp, a->rational);
+    kn_parts_add(&rounding, kn_gamma_up(steps), q, n, a->ncomp, a->rational);
+    if (!kn_deviation_of(&deviation, d.coef, n, a->ncomp, a->rational, p, n, q, n)) {
+        f->error = INFINITY;
+        return KN_OK;
+    }
+    double bound = 0.0;
+    kn_status status = kn_bezier_norm_bound(ctx, &bound, least, &d, deviation.radius);
+    f->error = fmax(f->error, kn_deviation_bound(&deviation, bound, &rounding, a->ncomp));
+    return status;
+}
+
+// f->error = an upper bound of the distance between fit and piece, parameter by parameter.
+static kn_status certify(kn_ctx *ctx, fit *f)
+{
+    double *mine, *theirs, least = 0.0;
+    size_t span[KN_MAX_VARS] = {0}, spans = 1;
+    kn_mark mark = kn_scratch_mark(ctx);
+    kn_status status = along_axes(ctx, &mine, f->coef, f, kn_limit_count, kn_limit_apart, is_one_span, spread);
+    if (status == KN_OK)
+        status = along_axes(ctx, &theirs, f->a->coef, f, from_size, from_apart, is_one_span, kn_limit_restrict);
+    for (int v = 0; v < f->a->nvars; v++) spans <<= f->axis[v].level;
+    f->error = 0.0;
+    for (size_t s = 0; s < spans && status == KN_OK; s++) {
+        kn_mark inner = kn_scratch_mark(ctx);
+        status = compare_spans(ctx, f, &least, mine, theirs, span);
+        kn_scratch_release(ctx, inner);
+        for (int v = f->a->nvars - 1; v >= 0 && ++span[v] == (size_t)1 << f->axis[v].level; v--) span[v] = 0;
+    }
+    kn_scratch_release(ctx, mark);
+    return status;
+}
+
+// ---- fits ----
+
+// Onto the multiples of the quantum: then inserting knots halfway is exact, whatever side of an edge does it.
+static void round_off(const fit *f)
+{
+    double q = f->limits->quantum;
+    if (q == 0.0 || f->a->rational) return;
+    size_t all = comps(f);
+    for (int v = 0; v < f->a->nvars; v++) all *= kn_limit_count(&f->axis[v]);
+    for (size_t i = 0; i < all; i++) f->coef[i] = rint(f->coef[i] / q) * q;
+}
+
+// Fits and certifies with the axes as they are; edges: kn_limit_edges puts them in place.
+static kn_status build(kn_ctx *ctx, fit *f, const kn_limit_edge *edges)
+{
+    kn_status status = along_axes(ctx, &f->coef, f->a->coef, f, from_size, kn_limit_count, is_kept, fitted);
+    if (status != KN_OK) return status;
+    round_off(f);
+    if (edges) status = kn_limit_put_edges(ctx, f->coef, comps(f), f->axis, edges);
+    return status == KN_OK ? certify(ctx, f) : status;
+}
+
+static kn_status halve(kn_ctx *ctx, const fit *f, kn_limit_axis *x)
+{
+    if (x->level < f->limits->max_level && !is_kept(x)) {
+        x->level++;
+        return KN_OK;
+    }
+    return kn_fail(ctx, KN_EUNDECIDED, "limit_degree: not within %g of degree %d by degree %d on %d spans",
+                   f->limits->tolerance, x->from, x->to, 1 << x->level);
+}
+
+// *error: with variable var alone fitted.
+static kn_status try_axis(kn_ctx *ctx, double *error, const fit *f, int var)
+{
+    fit alone = *f;
+    for (int v = 0; v < f->a->nvars; v++)
+        if (v != var) alone.axis[v] = (kn_limit_axis){f->axis[v].from, f->axis[v].from, 0};
+    kn_mark mark = kn_scratch_mark(ctx);
+    kn_status status = build(ctx, &alone, NULL);
+    kn_scratch_release(ctx, mark);
+    *error = alone.error;
+    return status;
+}
+
+// The fewest spans of each axis alone within its share, then more where that is not enough together. f->coef lies in
+// scratch.
+static kn_status search(kn_ctx *ctx, fit *f, const kn_limit_edge *edges)
+{
+    int axes = 0;
+    double share = f->limits->tolerance, alone[KN_MAX_VARS] = {0.0};
+    kn_status status = KN_OK;
+    for (int v = 0; v < f->a->nvars; v++) axes += !is_kept(&f->axis[v]);
+    if (axes > 1) share *= 0.8 / axes;
+    for (int v = 0; v < f->a->nvars && axes > 1; v++)
+        while (!is_kept(&f->axis[v]) && status == KN_OK) {
+            status = try_axis(ctx, &alone[v], f, v);
+            if (status != KN_OK || alone[v] <= share) break;
+            status = halve(ctx, f, &f->axis[v]);
+        }
+    while (status == KN_OK) {
+        kn_mark mark = kn_scratch_mark(ctx);
+        status = build(ctx, f, edges);
+        if (status != KN_OK || f->error <= f->limits->tolerance) return status;
+        kn_scratch_release(ctx, mark);
+        int worst = 0;
+        for (int v = 1; v < f->a->nvars; v++)
+            if (is_kept(&f->axis[worst]) || (!is_kept(&f->axis[v]) && alone[v] > alone[worst])) worst = v;
+        status = halve(ctx, f, &f->axis[worst]);
+        if (status == KN_OK && axes > 1) status = try_axis(ctx, &alone[worst], f, worst);
+    }
+    return status;
+}
+
+static void begin(fit *f, const kn_bezier *a, const kn_fit_limits *limits)
+{
+    *f = (fit){.a = a, .limits = limits};
+    for (int v = 0; v < a->nvars; v++) {
+        int d = a->degree[v];
+        f->axis[v] = (kn_limit_axis){d, d > limits->max_degree ? limits->degree : d, 0};
+    }
+}
+
+// ---- edges of surfaces ----
+
+// curve = the edge of a where variable var ends, in scratch, run through in the direction that its control points
+// choose: the same for both of its neighbours. *turned: against the surface's.
+static kn_status take_edge(kn_ctx *ctx, kn_bezier *curve, bool *turned, const kn_bezier *a, int var, bool at_end)
+{
+    size_t n[2] = {(size_t)a->degree[0] + 1, (size_t)a->degree[1] + 1}, m = n[1 - var];
+    size_t step = var == 0 ? 1 : n[1], first = at_end ? (n[var] - 1) * (var == 0 ? n[1] : 1) : 0;
+    *curve = (kn_bezier){.nvars = 1, .ncomp = a->ncomp, .rational = a->rational, .degree = {a->degree[1 - var]}};
+    curve->coef = kn_scratch(ctx, m * (size_t)a->ncomp, sizeof *curve->coef);
+    if (!curve->coef) return KN_ENOMEM;
+    int order = 0;
+    for (size_t i = 0; i < m && order == 0; i++)
+        for (size_t c = 0; c < (size_t)a->ncomp && order == 0; c++) {
+            const double *at = a->coef + c * n[0] * n[1] + first;
+            order = (at[i * step] > at[(m - 1 - i) * step]) - (at[i * step] < at[(m - 1 - i) * step]);
+        }
+    *turned = order > 0;
+    for (size_t c = 0; c < (size_t)a->ncomp; c++)
+        for (size_t i = 0; i < m; i++)
+            curve->coef[c * m + i] = a->coef[c * n[0] * n[1] + first + (*turned ? m - 1 - i : i) * step];
+    return KN_OK;
+}
+
+static kn_status fit_edges(kn_ctx *ctx, kn_limit_edge edges[4], fit *f)
+{
+    kn_fit_limits limits = *f->limits;
+    limits.tolerance *= 0.25;
+    kn_status status = KN_OK;
+    for (int e = 0; e < 4 && status == KN_OK; e++) {
+        kn_bezier curve;
+        fit along;
+        status = take_edge(ctx, &curve, &edges[e].turned, f->a, e / 2, e % 2);
+        if (status != KN_OK) break;
+        begin(&along, &curve, &limits);
+        status = search(ctx, &along, NULL);
+        edges[e].axis = along.axis[0];
+        edges[e].coef = along.coef;
+        int level = along.axis[0].level;
+        if (level > f->axis[1 - e / 2].level) f->axis[1 - e / 2].level = level;
+    }
+    return status;
+}
+
+// ---- the spline ----
+
+static kn_status to_spline(kn_ctx *ctx, kn_spline *out, const fit *f)
+{
+    const kn_bezier *a = f->a;
+    int degree[KN_MAX_VARS], count[KN_MAX_VARS];
+    double *knots[KN_MAX_VARS];
+    for (int v = 0; v < a->nvars; v++) {
+        const kn_limit_axis *x = &f->axis[v];
+        degree[v] = x->to, count[v] = (int)kn_limit_count(x);
+        knots[v] = kn_scratch(ctx, (size_t)(degree[v] + count[v] + 1), sizeof *knots[v]);
+        if (!knots[v]) return KN_ENOMEM;
+        int at = 0, spans = 1 << x->level;
+        for (int s = 0; s <= spans; s++)
+            for (int k = 0; k < (s == 0 || s == spans ? x->to + 1 : x->to - 1); k++)
+                knots[v][at++] = (double)s / spans;
+    }
+    kn_spline s = {0};
+    kn_status status = kn_spline_init(ctx, &s, a->nvars, a->ncomp, a->rational, degree, count,
+                                      (const double *const *)knots, f->coef);
+    if (status == KN_OK) kn_spline_swap(out, &s);
+    kn_spline_clear(ctx, &s);
+    return status;
+}
+
+static kn_status check(kn_ctx *ctx, const kn_bezier *a, const kn_fit_limits *l)
+{
+    kn_status status = kn_bezier_check_operand(ctx, "limit_degree", a);
+    if (status != KN_OK) return status;
+    if (a->nvars < 1 || l->max_degree < 3)
+        return kn_fail(ctx, KN_EDOMAIN, "limit_degree: %d variables, degree %d", a->nvars, l->max_degree);
+    if (l->degree < 3 || l->degree > l->max_degree)
+        return kn_fail(ctx, KN_EDOMAIN, "limit_degree: degree %d of at most %d", l->degree, l->max_degree);
+    int e;
+    if (!(l->tolerance > 0.0) || !isfinite(l->tolerance) || !(l->quantum >= 0.0) ||
+        l->quantum > 0.25 * l->tolerance || (l->quantum > 0.0 && frexp(l->quantum, &e) != 0.5))
+        return kn_fail(ctx, KN_EDOMAIN, "limit_degree: tolerance %g, quantum %g", l->tolerance, l->quantum);
+    if (l->max_level < 0 || l->max_level > MOST_LEVEL)
+        return kn_fail(ctx, KN_ELIMIT, "limit_degree: %d halvings", l->max_level);
+    for (size_t i = 0, n = kn_bezier_count(a) * (size_t)a->ncomp; i < n; i++)
+        if (!isfinite(a->coef[i])) return kn_fail(ctx, KN_EUNDEFINED, "limit_degree: a control point is not finite");
+    return KN_OK;
+}
+
+kn_status kn_fit_limit_degree(kn_ctx *ctx, kn_spline *out, kn_fit_limited *report, const kn_bezier *a,
+                              const kn_fit_limits *options)
+{
+    kn_fit_limits limits = *options;
+    if (limits.max_level == 0) limits.max_level = 8;
+    if (limits.degree == 0) limits.degree = limits.max_degree < 5 ? limits.max_degree : 5;
+    kn_status status = check(ctx, a, &limits);
+    if (status != KN_OK) return status;
+    fit f;
+    bool exact = true;
+    kn_limit_edge edges[4];
+    begin(&f, a, &limits);
+    for (int v = 0; v < a->nvars; v++) exact = exact && is_kept(&f.axis[v]);
+    kn_mark mark = kn_scratch_mark(ctx);
+    if (exact) {
+        status = kn_spline_of_bezier(ctx, out, a);
+    } else {
+        if (a->nvars == 2) status = fit_edges(ctx, edges, &f);
+        if (status == KN_OK) status = search(ctx, &f, a->nvars == 2 ? edges : NULL);
+        if (status == KN_OK) status = to_spline(ctx, out, &f);
+    }
+    kn_scratch_release(ctx, mark);
+    if (status != KN_OK || !report) return status;
+    *report = (kn_fit_limited){.error = f.error, .exact = exact};
+    for (int v = 0; v < a->nvars; v++) report->spans[v] = 1 << f.axis[v].level;
+    return KN_OK;
+}
