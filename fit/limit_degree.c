@@ -24,6 +24,8 @@ typedef struct fit {
     kn_limit_axis axis[KN_MAX_VARS];
     double *coef; // ncomp arrays of the axes' counts
     double error;
+    size_t worst;   // the span where it is largest, as far as that is known
+    kn_parts rough; // the piece's largest numbers
 } fit;
 
 static size_t comps(const fit *f)
@@ -125,9 +127,10 @@ static void block(double *out, const double *in, size_t ncomp, int nvars, const 
     }
 }
 
-// *bound grows to that of the spans at place `span`; mine and theirs: all spans apart, of the fit and of the piece.
-static kn_status compare_spans(kn_ctx *ctx, fit *f, double least[1], const double *mine, const double *theirs,
-                               const size_t *span)
+// f->error = a bound over the span at place `span`: the largest coefficient, or a closer one where that is above
+// `enough`, and not far above `most`. mine and theirs: all spans apart, of the fit and of the piece.
+static kn_status compare_spans(kn_ctx *ctx, fit *f, double *least, double enough, double most, const double *mine,
+                               const double *theirs, const size_t *span)
 {
     const kn_bezier *a = f->a;
     size_t of[2][KN_MAX_VARS], at[2][KN_MAX_VARS], size[2][KN_MAX_VARS], all = comps(f);
@@ -162,36 +165,51 @@ static kn_status compare_spans(kn_ctx *ctx, fit *f, double least[1], const doubl
     }
     for (size_t i = 0; i < all; i++) d.coef[i] = p[i] - q[i];
     kn_deviation deviation;
-    kn_parts rounding = {0.0, 0.0};
-    kn_parts_add(&rounding, kn_gamma_up(steps), a->coef, kn_bezier_count(a), a->ncomp, a->rational);
+    kn_parts rounding = {kn_gamma_up(steps) * f->rough.coordinate, kn_gamma_up(steps) * f->rough.weight};
     kn_parts_add(&rounding, kn_gamma_up(steps), q, n, a->ncomp, a->rational);
     if (!kn_deviation_of(&deviation, d.coef, n, a->ncomp, a->rational, p, n, q, n)) {
         f->error = INFINITY;
         return KN_OK;
     }
-    double bound = 0.0;
-    kn_status status = kn_bezier_norm_bound(ctx, &bound, least, &d, deviation.radius);
-    f->error = fmax(f->error, kn_deviation_bound(&deviation, bound, &rounding, a->ncomp));
+    int dim = a->ncomp - (deviation.radius >= 0.0);
+    double bound = kn_round_up(kn_round_up(kn_largest_vector(&d, 0, dim)));
+    if (dim < a->ncomp) bound += deviation.radius * kn_largest_vector(&d, dim, 1);
+    double plain = kn_deviation_bound(&deviation, kn_round_up(bound), &rounding, a->ncomp);
+    kn_status status = KN_OK;
+    if (plain > enough && plain <= 4.0 * most) {
+        bound = 0.0;
+        status = kn_bezier_norm_bound(ctx, &bound, least, &d, deviation.radius);
+        plain = kn_deviation_bound(&deviation, bound, &rounding, a->ncomp);
+    }
+    f->error = plain;
     return status;
 }
 
-// f->error = an upper bound of the distance between fit and piece, parameter by parameter.
-static kn_status certify(kn_ctx *ctx, fit *f)
+// f->error = an upper bound of the distance between fit and piece, parameter by parameter. What is below `enough` is
+// not looked at more closely, and nothing more where one span is above `most`.
+static kn_status certify(kn_ctx *ctx, fit *f, double enough, double most)
 {
-    double *mine, *theirs, least = 0.0;
-    size_t span[KN_MAX_VARS] = {0}, spans = 1;
+    double *mine = NULL, *theirs = NULL, least = 0.8 * enough;
+    size_t spans = 1;
     kn_mark mark = kn_scratch_mark(ctx);
     kn_status status = along_axes(ctx, &mine, f->coef, f, kn_limit_count, kn_limit_apart, is_one_span, spread);
     if (status == KN_OK)
         status = along_axes(ctx, &theirs, f->a->coef, f, from_size, from_apart, is_one_span, kn_limit_restrict);
     for (int v = 0; v < f->a->nvars; v++) spans <<= f->axis[v].level;
-    f->error = 0.0;
-    for (size_t s = 0; s < spans && status == KN_OK; s++) {
+    double error = 0.0;
+    size_t first = f->worst < spans ? f->worst : 0; // which tells how closely the others need to be looked at
+    for (size_t i = 0; i < spans && status == KN_OK && error <= most; i++) {
+        size_t s = (first + i) % spans, rest = s, span[KN_MAX_VARS];
+        for (int v = f->a->nvars - 1; v >= 0; v--) {
+            span[v] = rest & (((size_t)1 << f->axis[v].level) - 1);
+            rest >>= f->axis[v].level;
+        }
         kn_mark inner = kn_scratch_mark(ctx);
-        status = compare_spans(ctx, f, &least, mine, theirs, span);
+        status = compare_spans(ctx, f, &least, enough, most, mine, theirs, span);
         kn_scratch_release(ctx, inner);
-        for (int v = f->a->nvars - 1; v >= 0 && ++span[v] == (size_t)1 << f->axis[v].level; v--) span[v] = 0;
+        if (!(f->error <= error)) error = f->error, f->worst = s;
     }
+    f->error = error;
     kn_scratch_release(ctx, mark);
     return status;
 }
@@ -208,34 +226,37 @@ static void round_off(const fit *f)
     for (size_t i = 0; i < all; i++) f->coef[i] = rint(f->coef[i] / q) * q;
 }
 
-// Fits and certifies with the axes as they are; edges: kn_limit_edges puts them in place.
-static kn_status build(kn_ctx *ctx, fit *f, const kn_limit_edge *edges)
+// Fits and certifies with the axes as they are, to below `most` or not; edges: NULL, or to be put in place.
+static kn_status build(kn_ctx *ctx, fit *f, const kn_limit_edge *edges, double most)
 {
     kn_status status = along_axes(ctx, &f->coef, f->a->coef, f, from_size, kn_limit_count, is_kept, fitted);
     if (status != KN_OK) return status;
     round_off(f);
     if (edges) status = kn_limit_put_edges(ctx, f->coef, comps(f), f->axis, edges);
-    return status == KN_OK ? certify(ctx, f) : status;
+    return status == KN_OK ? certify(ctx, f, most, most) : status;
 }
 
-static kn_status halve(kn_ctx *ctx, const fit *f, kn_limit_axis *x)
+// More spans: as many as an error that falls by 2^(p + 1) at each halving lets expect, to get below `wanted`.
+static kn_status halve(kn_ctx *ctx, const fit *f, kn_limit_axis *x, double error, double wanted)
 {
-    if (x->level < f->limits->max_level && !is_kept(x)) {
-        x->level++;
+    int most = f->limits->max_level, more = isfinite(error) ? (int)(log2(error / wanted) / (x->to + 1)) : 1;
+    if (x->level < most && !is_kept(x)) {
+        x->level += more < 1 ? 1 : more;
+        if (x->level > most) x->level = most;
         return KN_OK;
     }
     return kn_fail(ctx, KN_EUNDECIDED, "limit_degree: not within %g of degree %d by degree %d on %d spans",
                    f->limits->tolerance, x->from, x->to, 1 << x->level);
 }
 
-// *error: with variable var alone fitted.
-static kn_status try_axis(kn_ctx *ctx, double *error, const fit *f, int var)
+// *error: with variable var alone fitted; not looked at closely where it is below `share`.
+static kn_status try_axis(kn_ctx *ctx, double *error, const fit *f, int var, double share)
 {
     fit alone = *f;
     for (int v = 0; v < f->a->nvars; v++)
         if (v != var) alone.axis[v] = (kn_limit_axis){f->axis[v].from, f->axis[v].from, 0};
     kn_mark mark = kn_scratch_mark(ctx);
-    kn_status status = build(ctx, &alone, NULL);
+    kn_status status = build(ctx, &alone, NULL, share);
     kn_scratch_release(ctx, mark);
     *error = alone.error;
     return status;
@@ -252,20 +273,20 @@ static kn_status search(kn_ctx *ctx, fit *f, const kn_limit_edge *edges)
     if (axes > 1) share *= 0.8 / axes;
     for (int v = 0; v < f->a->nvars && axes > 1; v++)
         while (!is_kept(&f->axis[v]) && status == KN_OK) {
-            status = try_axis(ctx, &alone[v], f, v);
+            status = try_axis(ctx, &alone[v], f, v, share);
             if (status != KN_OK || alone[v] <= share) break;
-            status = halve(ctx, f, &f->axis[v]);
+            status = halve(ctx, f, &f->axis[v], alone[v], share);
         }
     while (status == KN_OK) {
         kn_mark mark = kn_scratch_mark(ctx);
-        status = build(ctx, f, edges);
+        status = build(ctx, f, edges, f->limits->tolerance);
         if (status != KN_OK || f->error <= f->limits->tolerance) return status;
         kn_scratch_release(ctx, mark);
         int worst = 0;
         for (int v = 1; v < f->a->nvars; v++)
             if (is_kept(&f->axis[worst]) || (!is_kept(&f->axis[v]) && alone[v] > alone[worst])) worst = v;
-        status = halve(ctx, f, &f->axis[worst]);
-        if (status == KN_OK && axes > 1) status = try_axis(ctx, &alone[worst], f, worst);
+        status = halve(ctx, f, &f->axis[worst], f->error, f->limits->tolerance);
+        if (status == KN_OK && axes > 1) status = try_axis(ctx, &alone[worst], f, worst, share);
     }
     return status;
 }
@@ -273,6 +294,7 @@ static kn_status search(kn_ctx *ctx, fit *f, const kn_limit_edge *edges)
 static void begin(fit *f, const kn_bezier *a, const kn_fit_limits *limits)
 {
     *f = (fit){.a = a, .limits = limits};
+    kn_parts_add(&f->rough, 1.0, a->coef, kn_bezier_count(a), a->ncomp, a->rational);
     for (int v = 0; v < a->nvars; v++) {
         int d = a->degree[v];
         f->axis[v] = (kn_limit_axis){d, d > limits->max_degree ? limits->degree : d, 0};
@@ -386,6 +408,7 @@ kn_status kn_fit_limit_degree(kn_ctx *ctx, kn_spline *out, kn_fit_limited *repor
     } else {
         if (a->nvars == 2) status = fit_edges(ctx, edges, &f);
         if (status == KN_OK) status = search(ctx, &f, a->nvars == 2 ? edges : NULL);
+        if (status == KN_OK && report) status = certify(ctx, &f, 0.0, INFINITY); // as closely as can be
         if (status == KN_OK) status = to_spline(ctx, out, &f);
     }
     kn_scratch_release(ctx, mark);
