@@ -24,9 +24,17 @@ typedef struct kn_sign_changes {
 // nearer to each other than the rounding of the coefficients tells.
 kn_status kn_solve_sign_changes(kn_ctx *ctx, kn_sign_changes *out, size_t *doubtful, const double *c, int degree);
 
-// As kn_solve_curves_bezier, and no chord is longer than `longest`. edges: the changes of sign
-// along x = 0, x = 1 (in y), y = 0, y = 1 (in x), where the caller knows them; NULL: found from f.
-kn_status kn_solve_trace(kn_ctx *ctx, kn_solve_curve **curves, size_t *n, kn_solve_report *report, const kn_bezier *f,
-                         double tol, double longest, const kn_sign_changes *edges);
+typedef struct kn_trace_options {
+    double tol;                   // as kn_solve_curves_bezier
+    double longest;               // of a chord
+    double error;                 // by which coefficients of f may be wrong
+    const kn_sign_changes *edges; // the changes of sign along x = 0, x = 1 (in y), y = 0, y = 1 (in x), where the
+                                  // caller knows them; NULL: found from f
+} kn_trace_options;
+// As kn_solve_curves_bezier. *distance: points of curves are that near to zeros of all functions within `error` of f,
+// rounding included, but where the report counts something; about tol, more where f has hardly a slope. A zero that
+// lies beyond the square by no more than that is its neighbour's.
+kn_status kn_solve_trace(kn_ctx *ctx, kn_solve_curve **curves, size_t *n, kn_solve_report *report, double *distance,
+                         const kn_bezier *f, const kn_trace_options *options);
 
 #endif
