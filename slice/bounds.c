@@ -63,7 +63,7 @@ static kn_status find(kn_ctx *ctx, kn_slice_bounds *out, const kn_bezier *p, cen
         double tt = (x[TT] + 2.0 * v[T] * first[1] + v[TT] * at) / w;
         out->first = fmax(kn_round_up(first[0] + first[1]), DBL_MIN);
         out->second = fmax(kn_round_up(rr + 2.0 * rt + tt), DBL_MIN);
-        // kn_bezier_eval_batch, and values along an edge, which round less; as a vector
+        // sums of products with both bases: gamma(4 (n + m) + 2), twice and one more over a weight; as a vector
         double q = c->most_weight / w;
         out->value = kn_round_up(4.5 * kn_gamma_up(5.0 * (n + m) + 8.0) * q * c->largest) + DBL_MIN;
     }

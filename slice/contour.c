@@ -11,6 +11,7 @@
 #include "slice/internal.h"
 
 #include "bezier/norm_bound.h"
+#include "kernel/bernstein.h"
 
 #include <float.h>
 #include <math.h>
@@ -62,23 +63,36 @@ static kn_status add_thinned(kn_ctx *ctx, kn_slice_lines *out, double *most, con
     return status == KN_OK ? add_thinned(ctx, out, most, points, worst, to, tol) : status;
 }
 
+// (x, y) of the patch at (r, t).
+static void patch_point(double out[2], const kn_bezier *p, const double at[2])
+{
+    double b[2][KN_MAX_DEGREE + 1], line[KN_MAX_DEGREE + 1], sum[2][2];
+    int n = p->degree[0], m = p->degree[1];
+    size_t row = (size_t)m + 1, all = row * ((size_t)n + 1);
+    for (int d = 0; d < 2; d++) kn_bernstein_basis(b[d], p->degree[d], at[d]);
+    for (int c = 0; c < (p->rational ? 3 : 2); c++) {
+        const double *from = p->coef + (c == 2 ? 3 : (size_t)c) * all;
+        for (int j = 0; j <= m; j++) line[j] = b[0][0] * from[j];
+        for (int i = 1; i <= n; i++)
+            for (int j = 0; j <= m; j++) line[j] += b[0][i] * from[(size_t)i * row + (size_t)j];
+        double *to = &sum[c / 2][c % 2];
+        kn_bernstein_contract(to, line, 1, m + 1, 1, b[1]);
+    }
+    for (int c = 0; c < 2; c++) out[c] = p->rational ? sum[0][c] / sum[1][0] : sum[0][c];
+}
+
 // The points P(q_i) in the direction of the contour. The ends are those of edges; cut: they are not.
-static kn_status evaluate(kn_ctx *ctx, double *points, bool cut[2], const cutting *c, const kn_solve_curve *curve)
+static void find_points(double *points, bool cut[2], const cutting *c, const kn_solve_curve *curve)
 {
     size_t n = curve->npoints;
-    kn_mark mark = kn_scratch_mark(ctx);
-    double *values = kn_scratch(ctx, 3 * n, sizeof *values);
-    kn_status status = values ? kn_bezier_eval_batch(ctx, values, c->patch, n, curve->points) : KN_ENOMEM;
-    for (size_t k = 0; status == KN_OK && k < n; k++)
-        memcpy(points + 2 * (c->reversed ? n - 1 - k : k), values + 3 * k, 2 * sizeof *points);
-    kn_scratch_release(ctx, mark);
-    for (int end = 0; status == KN_OK && !curve->closed && end < 2; end++) {
-        const double *at = curve->points + (end == 0 ? 0 : 2 * n - 2);
-        bool last = (end == 1) != c->reversed;
-        cut[last] = !kn_slice_known_point(points + (last ? 2 * n - 2 : 0), c->edges, at);
+    for (size_t k = 0; k < n; k++) {
+        double *to = points + 2 * (c->reversed ? n - 1 - k : k);
+        bool end = !curve->closed && (k == 0 || k + 1 == n);
+        if (end && kn_slice_known_point(to, c->edges, curve->points + 2 * k)) continue;
+        if (end) cut[(k > 0) != c->reversed] = true;
+        patch_point(to, c->patch, curve->points + 2 * k);
     }
-    if (status == KN_OK && curve->closed) memcpy(points + 2 * n - 2, points, 2 * sizeof *points);
-    return status;
+    if (curve->closed) memcpy(points + 2 * n - 2, points, 2 * sizeof *points);
 }
 
 // The square of the longest chord's length.
@@ -100,7 +114,8 @@ static kn_status add_curve(kn_ctx *ctx, kn_slice_lines *out, level *l, const cut
     bool cut[2] = {false, false};
     kn_mark mark = kn_scratch_mark(ctx);
     double *points = kn_scratch(ctx, 2 * n, sizeof *points), most = 0.0, tol = c->options->tol;
-    kn_status status = points ? evaluate(ctx, points, cut, c, curve) : KN_ENOMEM;
+    kn_status status = points ? KN_OK : KN_ENOMEM;
+    if (points) find_points(points, cut, c, curve);
     double spent = kn_round_up(c->bounds.first * l->away + c->bounds.second * longest_chord(curve) / 8.0 +
                                c->bounds.value);
     double left = fmax(0.99 * tol - spent, tol / 16.0);

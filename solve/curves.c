@@ -18,7 +18,7 @@
 #include <math.h>
 #include <string.h>
 
-enum { MOST_CHORDS = 256 };               // of a graph in one box
+enum { MOST_CHORDS = 16 };                // of a graph in one box: bounds are better in halves, which cost as much
 enum { LEFT, RIGHT, BOTTOM, TOP, SIDES }; // x = lo, x = hi, y = lo, y = hi
 static const size_t max_boxes = 1000000, none = SIZE_MAX;
 
@@ -182,16 +182,16 @@ static int by_place(const place *a, const place *b)
 // secants in which an end that stays counts half (Illinois), and a halving where they do not shrink the interval.
 static double monotone_root(const double *c, int n)
 {
-    double lo = 0.0, hi = 1.0, flo = c[0], fhi = c[n], basis[KN_MAX_DEGREE + 1], before = 2.0;
+    double lo = 0.0, hi = 1.0, flo = c[0], fhi = c[n], scaled[KN_MAX_DEGREE + 1], before = 2.0;
     int stays = 0;
+    kn_bernstein_scale(scaled, c, n);
     while (hi - lo > 2.0 * DBL_EPSILON) {
-        double x = lo + (hi - lo) * (flo / (flo - fhi)), f;
+        double x = lo + (hi - lo) * (flo / (flo - fhi));
         bool slow = hi - lo > 0.5 * before;
         before = hi - lo;
         if (slow || !(x > lo && x < hi)) x = 0.5 * (lo + hi);
         if (!(x > lo && x < hi)) break;
-        kn_bernstein_basis(basis, n, x);
-        kn_bernstein_contract(&f, c, 1, n + 1, 1, basis);
+        double f = kn_bernstein_horner(scaled, n, x);
         if (f == 0.0) return x;
         if ((f < 0.0) == (c[0] < 0.0)) {
             lo = x, flo = f;

@@ -17,6 +17,11 @@ typedef struct kn_sign_changes {
     size_t count, room;
 } kn_sign_changes;
 
+// Values of a polynomial in Bernstein form by Horner's rule in t / (1 - t), or in its reciprocal: scaled[i] =
+// C(degree,i) c[i]. In [0,1] they are off by gamma(6 degree + 4) sum |c_i| B_i at most.
+void kn_bernstein_scale(double *scaled, const double *c, int degree);
+double kn_bernstein_horner(const double *scaled, int degree, double t);
+
 // Appends, in increasing order, the places of [0,1] where f, of Bernstein coefficients c[0 .. degree], goes from
 // f < 0 to f >= 0 or back, to neighbouring doubles: zero counts as positive, so that any two functions that agree have
 // the same list, also where f vanishes at an end or throughout. Neighbouring crossings alternate. Reversing c gives the
