@@ -124,9 +124,12 @@ fuzzers: $(FUZZERS)
 Q := $(if $(V),,@)
 say = $(if $(V),,@printf '  %-5s %s\n' $(1) $(2))
 
-# A file that changes when the flags do, so that no object survives from other flags.
-$(shell mkdir -p $(B); printf '%s\n' '$(CC) $(CXX) $(ALL_CFLAGS) $(ALL_CXXFLAGS) $(WITH)' > $(B)/flags.new; \
-  cmp -s $(B)/flags.new $(B)/flags || cp $(B)/flags.new $(B)/flags; rm -f $(B)/flags.new)
+# $(call noted,NAME,TEXT): a file of that text, line by line, rewritten only when it changes. Several makes may do so at
+# a time.
+noted = $(shell mkdir -p $(B); new=$(B)/$(1).$$$$; printf '%s\n' $(2) > $$new; cmp -s $$new $(B)/$(1) && rm $$new || \
+  mv $$new $(B)/$(1))
+# What changes when the flags do, so that no object survives from other flags.
+$(call noted,flags,'$(CC) $(CXX) $(ALL_CFLAGS) $(ALL_CXXFLAGS) $(WITH)')
 
 $(B)/obj/cli/%.o $(B)/obj/tests/%.o: CPP += $(WITH)
 $(B)/obj/bridges/occt/%.o $(B)/obj/tests/bridges/%.o: CPP += $(CPP_occt)
@@ -156,8 +159,7 @@ $(SHARED): $(LIB_OBJ) $(B)/lib.list
 	$(Q)$(CC) -shared -Wl,-soname,libknurl.so.$(SOVERSION) -Wl,--no-undefined $(ALL_LDFLAGS) -o $@ $(LIB_OBJ) $(LIBS)
 	$(Q)ln -sf $(@F) $(B)/libknurl.so.$(SOVERSION); ln -sf libknurl.so.$(SOVERSION) $(B)/libknurl.so
 # Rewritten when a source comes or goes.
-$(shell printf '%s\n' $(LIB_SRC) > $(B)/lib.new; cmp -s $(B)/lib.new $(B)/lib.list || cp $(B)/lib.new $(B)/lib.list; \
-  rm -f $(B)/lib.new)
+$(call noted,lib.list,$(LIB_SRC))
 
 define bridge_rule
 $(B)/libknurl_$(1).a: $$(call objects,$$(call bridge_src,$(1)))
@@ -172,8 +174,7 @@ $(B)/knurl: $(call objects,$(CLI_SRC)) $(BRIDGE_LIBS) $(LIB)
 
 # ---- built-in tiles: files of data/tiles become constant bytes in the library ----
 EMBEDDED := $(sort $(shell find data/tiles -type f -name '*.g2' 2>/dev/null))
-$(shell printf '%s\n' $(EMBEDDED) > $(B)/embed.new; cmp -s $(B)/embed.new $(B)/embed.list || cp $(B)/embed.new $(B)/embed.list; \
-  rm -f $(B)/embed.new)
+$(call noted,embed.list,$(EMBEDDED))
 $(B)/gen/embedded.c: tools/embed.sh $(B)/embed.list $(EMBEDDED)
 	@mkdir -p $(@D)
 	$(call say,EMBED,$@)

@@ -126,14 +126,14 @@ static kn_status commit(kn_ctx *ctx, void *user, const kn_patch_block *block, vo
     for (size_t i = 0; status == KN_OK && i < block->count; i++) {
         kn_patch patch = block->patches[i];
         if (!agree(c->detail, (*c->at)++, patch.segments)) return KN_ENOMEM;
-        status = draw_patch(ctx, &c->scene->items[c->first + patch.id.part].mesh, &patch);
+        status = draw_patch(ctx, &c->scene->items[c->first + patch.look].mesh, &patch);
     }
     return status;
 }
 
 static kn_status collect(kn_ctx *ctx, kn_scene *scene, detail *d, size_t *at, const kn_job *job)
 {
-    const kn_tile *tile = kn_job_tile(job);
+    const kn_tile *tile = kn_job_look_tile(job);
     collector c = {scene, d, at, scene->nitems};
     kn_sink sink = {.user = &c, .commit = commit};
     for (int p = 0; p < tile->nparts; p++)
@@ -178,7 +178,7 @@ static int make_layers(cli_session *session, kn_scene *scene, detail *d, const c
     cli_plan plan = {0};
     size_t nparts = 0, at = 0;
     int code = cli_plan_begin(session, &plan, r, in);
-    for (int i = 0; i < plan.nshown; i++) nparts += (size_t)kn_job_tile(plan.shown[i])->nparts;
+    for (int i = 0; i < plan.nshown; i++) nparts += (size_t)kn_job_look_tile(plan.shown[i])->nparts;
     kn_scene_item *items = calloc(nparts + 1, sizeof *items); // and the box
     *scene = (kn_scene){.items = items};
     if (!items && code == EXIT_OK) code = cli_fail_at(session, KN_ENOMEM, "animate: out of memory");

@@ -90,7 +90,7 @@ static uint64_t identity_of(const cli_job *job)
 {
     uint64_t hash = UINT64_C(0xcbf29ce484222325); // FNV-1a
     for (int i = -1; i < job->nvary; i++) {
-        const char *texts[2] = {i < 0 ? "" : job->vary[i].parameter,
+        const char *texts[2] = {i < 0 ? job->color.field.text : job->vary[i].parameter,
                                 i < 0 ? job->mask.text : job->vary[i].value.text};
         for (int k = 0; k < 2; k++)
             for (const char *c = texts[k] ? texts[k] : ""; *c; c++)

@@ -113,7 +113,7 @@ typedef enum cli_place {
     CLI_OF_RECIPE, // a key of the recipe
     CLI_OF_RUN,    // an option alone
 } cli_place;
-// Options that belong together: cli/texture.c, placement.c, selection.c, view.c, variation.c, exactness.c, running.c.
+// Options that belong together: cli/texture.c, placement.c, selection.c, view.c, variation.c, color.c, exactness.c, running.c.
 typedef struct cli_theme {
     const cli_option *options;
     int noptions;
@@ -122,9 +122,9 @@ typedef struct cli_theme {
     // message.
     bool (*set)(struct cli_job *job, const char *name, int option, const char *text);
 } cli_theme;
-enum { CLI_THEMES = 7, CLI_THEME_OPTIONS = 64, CLI_JOB_OPTIONS = CLI_THEMES * CLI_THEME_OPTIONS };
+enum { CLI_THEMES = 8, CLI_THEME_OPTIONS = 64, CLI_JOB_OPTIONS = CLI_THEMES * CLI_THEME_OPTIONS };
 extern const cli_theme cli_texture_options, cli_placement_options, cli_selection_options, cli_view_options,
-    cli_variation_options, cli_exactness_options, cli_running_options;
+    cli_variation_options, cli_color_options, cli_exactness_options, cli_running_options;
 const cli_theme *cli_theme_of(int theme);
 
 // A length that may name its unit: 3mm.
@@ -159,11 +159,23 @@ enum {
     CLI_MAX_COUNT = 65536, // cells along a surface: what a job takes
     CLI_MAX_FACES = 1024,
     CLI_MAX_VARY = 32,
+    CLI_MAX_PALETTE = 32,
+    CLI_MAX_COLORED = 16,
 };
 typedef struct cli_vary {
     char parameter[KN_NAME_BYTES];
     cli_scalar value;
 } cli_vary;
+// Colours by a field, of some parts or of all.
+typedef struct cli_color {
+    cli_scalar field;
+    double palette[CLI_MAX_PALETTE][3]; // linear RGB
+    int npalette, steps;
+    char part[CLI_MAX_COLORED][KN_NAME_BYTES];
+    int nparts;                         // 0: all
+    kn_job_color rule[CLI_MAX_COLORED]; // once cli_color_begin has made them
+    int nrules;
+} cli_color;
 typedef struct cli_job {
     const char *base, *tile; // tile NULL: none
     double unit_mm;
@@ -174,6 +186,7 @@ typedef struct cli_job {
     cli_scalar mask;
     cli_vary vary[CLI_MAX_VARY];
     kn_job_vary varied[CLI_MAX_VARY];
+    cli_color color;
     kn_job_view view;
     double camera[7];           // eye, what it looks at, degrees
     uint64_t given[CLI_THEMES]; // bit i of theme t: its option i was given
@@ -207,6 +220,10 @@ int cli_scalar_begin(cli_session *session, cli_scalar *scalar, const char *name,
 void cli_scalar_end(cli_session *session, cli_scalar *scalar);
 // Whether text names a file that can be a scalar.
 bool cli_scalar_is_file(const char *text);
+double cli_linear_of_srgb(double x);
+// A palette, steps or parts, and no field.
+bool cli_color_lacks_field(const cli_color *color);
+int cli_color_begin(cli_session *session, cli_color *color, uint64_t seed); // the rules; exit code
 // job->view from the camera.
 void cli_make_view(cli_job *job);
 // The angle above which an edge inside a base is a crease: what a job takes (0: the default tolerance of normals).

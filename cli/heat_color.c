@@ -15,11 +15,6 @@ static const double unfit[][3] = {{0.16, 0.02, 0.07}, {0.52, 0.05, 0.11}, {0.83,
 static const double fit[][3] = {{0.98, 0.92, 0.68}, {0.79, 0.88, 0.74}, {0.58, 0.79, 0.80}, {0.46, 0.65, 0.78}};
 enum { STOPS = sizeof fit / sizeof *fit };
 
-static double linear(double x)
-{
-    return x <= 0.04045 ? x / 12.92 : pow((x + 0.055) / 1.055, 2.4);
-}
-
 static double encoded(double x)
 {
     x = fmin(fmax(x, 0.0), 1.0);
@@ -28,7 +23,7 @@ static double encoded(double x)
 
 static lab to_lab(const double srgb[3])
 {
-    double r = linear(srgb[0]), g = linear(srgb[1]), b = linear(srgb[2]);
+    double r = cli_linear_of_srgb(srgb[0]), g = cli_linear_of_srgb(srgb[1]), b = cli_linear_of_srgb(srgb[2]);
     double l = cbrt(0.4122214708 * r + 0.5363325363 * g + 0.0514459929 * b);
     double m = cbrt(0.2119034982 * r + 0.6806995451 * g + 0.1073969566 * b);
     double s = cbrt(0.0883024619 * r + 0.2817188376 * g + 0.6299787005 * b);
@@ -82,5 +77,5 @@ void heat_linear_color(double t, float rgb[3])
 {
     double srgb[3];
     heat_color(t, srgb);
-    for (int c = 0; c < 3; c++) rgb[c] = (float)linear(srgb[c]);
+    for (int c = 0; c < 3; c++) rgb[c] = (float)cli_linear_of_srgb(srgb[c]);
 }

@@ -9,7 +9,7 @@ const cli_theme *cli_theme_of(int theme)
 {
     static const cli_theme *const themes[CLI_THEMES] = {
         &cli_texture_options,   &cli_placement_options, &cli_selection_options, &cli_view_options,
-        &cli_variation_options, &cli_exactness_options, &cli_running_options};
+        &cli_variation_options, &cli_color_options,     &cli_exactness_options, &cli_running_options};
     return themes[theme];
 }
 
@@ -63,14 +63,16 @@ const char *cli_job_conflict(const cli_job *job)
     bool direction = job->field[CLI_FIELD_DIRECTION].given, attraction = job->field[CLI_FIELD_ATTRACTION].given;
     bool normal = cli_job_was_given(job, cli_job_find_key("normal", CLI_OF_RECIPE, NULL));
     bool view = job->view.pixels[0] > 0 || job->view.least_pixels > 0 || job->view.hidden;
+    bool clips = o->placement.border[0] == KN_BORDER_CLIP || o->placement.border[1] == KN_BORDER_CLIP;
     bool power = cli_job_was_given(job, cli_job_find_key("attraction_power", CLI_OF_LAYER, NULL));
     return o->count[0] && job->has_size ? "--count and --size exclude each other"
            : direction && normal        ? "--normal and --direction exclude each other"
            : power && !attraction       ? "--attraction-power needs --attraction"
-           : job->crossing_tol.value > 0 && o->crossing == KN_CROSSING_REFUSE
-               ? "--crossing-tol needs --crossing trim or approximate"
-           : view && !job->has_camera ? "--picture, --least-pixels and --hidden need --camera"
-                                      : NULL;
+           : job->crossing_tol.value > 0 && o->crossing == KN_CROSSING_REFUSE && !clips
+               ? "--crossing-tol needs --crossing trim or approximate, or --border clip"
+           : cli_color_lacks_field(&job->color) ? "--palette, --color-steps and --color-part need --color"
+           : view && !job->has_camera           ? "--picture, --least-pixels and --hidden need --camera"
+                                                : NULL;
 }
 
 double cli_crease_angle(double normal_tol)
@@ -135,6 +137,9 @@ static int set_scalars(cli_session *session, cli_job *job)
     }
     o->vary = job->nvary > 0 ? job->varied : NULL;
     o->nvary = job->nvary;
+    if (code == EXIT_OK) code = cli_color_begin(session, &job->color, seed);
+    o->color = job->color.nrules > 0 ? job->color.rule : NULL;
+    o->ncolor = job->color.nrules;
     return code;
 }
 
@@ -153,5 +158,6 @@ void cli_job_end(cli_session *session, cli_job *job)
 {
     for (int f = 0; f < CLI_FIELDS; f++) kn_spline_clear(cli_ctx(session), &job->field[f].spline);
     cli_scalar_end(session, &job->mask);
+    cli_scalar_end(session, &job->color.field);
     for (int i = 0; i < job->nvary; i++) cli_scalar_end(session, &job->vary[i].value);
 }

@@ -139,7 +139,7 @@ int cli_next(cli_args *args, const char **value)
     }
     const char *name = text + 2, *equals = strchr(name, '=');
     size_t length = equals ? (size_t)(equals - name) : strlen(name);
-    for (int i = 0; i < end_of_options(args); i++) {
+    for (int i = end_of_options(args); i-- > 0;) { // the command's own go before those of a job
         const cli_option *option = option_at(args, i);
         if (option && strlen(option->name) == length && strncmp(option->name, name, length) == 0)
             return take_value(args, i, equals ? equals + 1 : NULL, value);

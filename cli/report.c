@@ -187,7 +187,8 @@ static void print_text(const cli_apply *a, const kn_job_report *r, const double 
     if (r->curves + r->volumes + r->meshes > 0)
         printf("of them %zu curves, %zu volumes, %zu pieces of meshes\n", r->curves, r->volumes, r->meshes);
     if (r->crossing_error > 0)
-        printf("pieces at knot lines within %.1e (certified)\n", cli_outward(r->crossing_error, 1, CLI_TEXT_DIGITS));
+        printf("pieces at knot lines and clipped ends within %.1e (certified)\n",
+               cli_outward(r->crossing_error, 1, CLI_TEXT_DIGITS));
     if (a->recipe.layer[0].options.direction)
         printf("along the given direction\n");
     else

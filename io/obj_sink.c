@@ -163,13 +163,13 @@ static kn_status format(kn_ctx *worker, const obj *o, const kn_patch_block *bloc
     int part = -1;
     for (size_t i = 0; i < block->count && status == KN_OK; i++) {
         const kn_patch *patch = &block->patches[i];
-        if (patch->id.part < 0 || patch->id.part >= o->nparts)
-            status = kn_fail(worker, KN_EDOMAIN, "OBJ: a patch of part %d, of %d", patch->id.part, o->nparts);
+        if (patch->look < 0 || patch->look >= o->nparts)
+            status = kn_fail(worker, KN_EDOMAIN, "OBJ: a patch of part %d, of %d", patch->look, o->nparts);
         mesh.nvertices = mesh.ntriangles = 0;
         if (status == KN_OK) status = kn_patch_tessellate(worker, &mesh, patch);
         if (status != KN_OK) break;
-        if (patch->id.part != part) put_group(text, o->names[patch->id.part]);
-        part = patch->id.part;
+        if (patch->look != part) put_group(text, o->names[patch->look]);
+        part = patch->look;
         put_mesh(text, &mesh);
         if (kn_patch_line_points(patch) > 0) status = put_line(worker, text, patch);
     }

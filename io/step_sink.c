@@ -118,7 +118,7 @@ static kn_status check_patch(kn_ctx *ctx, const step *s, const kn_patch *patch, 
     bool fits = b->nvars == 3 ? s->faces == 6 && b->degree[0] <= most && b->degree[1] <= most && b->degree[2] <= most
                 : b->nvars == 2 ? b->degree[0] <= s->degree[0] && b->degree[1] <= s->degree[1]
                                 : b->nvars == 1 && s->nslots > s->nparts && b->degree[0] <= s->degree[0];
-    if (fits && kn_bezier_dim(b) == 3 && patch->id.part >= 0 && patch->id.part < s->nparts && place < s->patches)
+    if (fits && kn_bezier_dim(b) == 3 && patch->look >= 0 && patch->look < s->nparts && place < s->patches)
         return KN_OK;
     return kn_fail(ctx, KN_EDOMAIN, "STEP: patch %llu is not what the job's report announced",
                    (unsigned long long)place);
@@ -133,7 +133,7 @@ static kn_status put_volume(kn_ctx *ctx, const step *s, kn_text *text, const kn_
         if (patch->hidden >> k & 1) continue;
         status = kn_patch_face(ctx, &face, patch, k);
         if (status == KN_OK)
-            status = kn_step_put_face(text, &face, s->parts[patch->id.part].name, first + (uint64_t)k * s->stride,
+            status = kn_step_put_face(text, &face, s->parts[patch->look].name, first + (uint64_t)k * s->stride,
                                       s->unit_mm);
         kn_bezier_clear(ctx, &face.bezier);
     }
@@ -145,7 +145,7 @@ static kn_status put_patch(kn_ctx *ctx, const step *s, kn_text *text, const kn_p
     uint64_t first = s->first + place * s->faces * s->stride;
     if (patch->bezier.nvars == 1) return kn_step_put_curve(text, patch, first, s->unit_mm);
     if (patch->bezier.nvars == 3) return put_volume(ctx, s, text, patch, first);
-    return kn_step_put_face(text, patch, s->parts[patch->id.part].name, first, s->unit_mm);
+    return kn_step_put_face(text, patch, s->parts[patch->look].name, first, s->unit_mm);
 }
 
 static kn_status step_work(kn_ctx *worker, void *user, const kn_patch_block *block, void **product)
@@ -207,7 +207,7 @@ static kn_status add_face(kn_ctx *ctx, part *p, uint64_t face, uint64_t stride)
 static kn_status add_patch(kn_ctx *ctx, step *s, const kn_patch *patch, uint64_t first)
 {
     const kn_bezier *b = &patch->bezier;
-    int slot = b->nvars == 1 ? s->nparts + patch->id.part : patch->id.part;
+    int slot = b->nvars == 1 ? s->nparts + patch->look : patch->look;
     kn_status status = KN_OK;
     if (b->nvars < 3) return add_face(ctx, &s->parts[slot], kn_step_face(b, first), s->stride);
     for (int k = 0; k < 6 && status == KN_OK; k++) {

@@ -200,7 +200,9 @@ kn_status kn_job_bounds_box(kn_ctx *ctx, double lo[3], double hi[3], const kn_jo
     bool inside = true;
     for (int d = 0; d < 2; d++) inside = interval(&a[d], &b[d], s, d, place->cell[d], e->lo[d], e->hi[d]) && inside;
     double top = fmax(fabs(e->w[0]), fabs(e->w[1])), size = from->size + top;
-    bool apart = bounds->job->options.crossing == KN_CROSSING_APPROXIMATE;
+    const kn_job_options *o = &bounds->job->options;
+    const kn_job_border *border = o->placement.border; // trims are off by as much
+    bool apart = o->crossing != KN_CROSSING_REFUSE || border[0] == KN_BORDER_CLIP || border[1] == KN_BORDER_CLIP;
     double extra = apart ? bounds->job->options.crossing_tol : 0.0;
     if (from->volume.coef) {
         for (int c = 0; c < 3; c++) lo[c] = -INFINITY, hi[c] = INFINITY;
@@ -249,10 +251,11 @@ kn_status kn_job_bounds_cell(kn_ctx *ctx, double lo[3], double hi[3], const kn_j
     for (int c = 0; c < 3; c++) lo[c] = INFINITY, hi[c] = -INFINITY;
     for (int k = 0; status == KN_OK && k < extents->count; k++) {
         kn_job_extent e = extents->list[k];
-        double least[3], most[3];
-        if (kn_job_is_clipped(bounds->job, surface, cell, e.offset)) continue;
+        double least[3], most[3], end[2][2];
         kn_job_place place = kn_job_find_place(bounds->job, surface, cell, e.offset);
         turn_box(&e, place.turn);
+        kn_job_clip_ends(end, bounds->job, &place);
+        if (kn_job_clip_box(e.lo, e.hi, (const double(*)[2])end) == KN_CLIP_OUTSIDE) continue;
         status = kn_job_bounds_box(ctx, least, most, bounds, &place, &e);
         for (int c = 0; status == KN_OK && c < 3; c++) lo[c] = fmin(lo[c], least[c]), hi[c] = fmax(hi[c], most[c]);
     }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Composing the cells of one block.
+#include "job/looks.h"
 #include "job/run.h"
 #include "kernel/gemm.h"
 
@@ -18,6 +19,7 @@ typedef struct composer {
     const double **operand;  // ncomp rows for each patch, one after the other: where they start
     size_t norder, at, used; // patches and coefficients made
     size_t npatches, numbers;
+    int *steps; // of the current cell's colours: kn_job_find_steps
 } composer;
 
 void kn_job_product_clear(kn_ctx *ctx, kn_job_product *p)
@@ -79,6 +81,7 @@ static kn_patch *next_patch(kn_ctx *ctx, composer *c, const kn_job_patch *from, 
                     before->cell[0] == to->id.cell[0] && before->cell[1] == to->id.cell[1];
         to->id.piece = same ? before->piece + 1 : 0;
     }
+    to->look = kn_job_look_of(c->job, to->id.part, c->steps);
     to->reversed = (c->job->options.height < 0.0) != (from && from->mirrored);
     to->exact = key->exact;
     kn_job_segments(c->job, key, to->segments);
@@ -195,7 +198,7 @@ static kn_status compose_ref(kn_ctx *ctx, composer *c, kn_job_ref ref, const int
 
 static kn_status compose_shared(kn_ctx *ctx, composer *c, const int cell[2], const kn_job_list *list)
 {
-    kn_status status = KN_OK;
+    kn_status status = kn_job_find_steps(ctx, c->steps, c->job, c->surface, cell);
     c->nrows = 0;
     for (uint32_t i = 0; status == KN_OK && i < list->count; i++)
         status = compose_ref(ctx, c, c->job->lists.refs[list->first + i], cell);
@@ -244,6 +247,7 @@ static kn_status compose_leaf(kn_ctx *ctx, composer *c, const kn_job_cell_plan *
     if (leaf->trim.nloops > 0) to->trim = &leaf->trim;
     if (leaf->mesh.position) {
         to->id.part = leaf->part, to->id.patch = leaf->patch;
+        to->look = kn_job_look_of(c->job, leaf->part, c->steps);
         to->mesh = &leaf->mesh;
         return KN_OK;
     }
@@ -279,6 +283,7 @@ static kn_status compose_own(kn_ctx *ctx, composer *c, size_t index)
     if (status != KN_OK) return status;
     p->nplans++;
     c->nrows = 0;
+    if (plan->count > 0) status = kn_job_find_steps(ctx, c->steps, c->job, c->surface, plan->cell);
     for (int i = 0; status == KN_OK && i < plan->count; i++) status = compose_leaf(ctx, c, plan, &plan->leaves[i]);
     kn_job_pieces_end(ctx, &plan->pieces);
     return status;
@@ -317,7 +322,8 @@ kn_status kn_job_compose_block(kn_ctx *ctx, kn_job_product *out, const kn_job *j
     kn_mark mark = kn_scratch_mark(ctx);
     c.order = kn_scratch(ctx, b->npatches, sizeof *c.order);
     c.operand = kn_scratch(ctx, b->npatches, sizeof *c.operand);
-    kn_status status = p.patches && p.coef && c.order && c.operand ? KN_OK : KN_ENOMEM;
+    c.steps = kn_scratch(ctx, job->looks ? (size_t)job->looks->nrules : 0, sizeof *c.steps);
+    kn_status status = p.patches && p.coef && c.order && c.operand && c.steps ? KN_OK : KN_ENOMEM;
     if (status == KN_OK) status = compose_cells(ctx, &c, b);
     if (status == KN_OK) status = multiply_all(ctx, &c);
     kn_job_pieces_end(ctx, &c.pieces);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Planning a job: what is asked for is checked and copied, then decided step by step.
-#include "job/internal.h"
+#include "job/looks.h"
 
 #include <math.h>
 
@@ -28,6 +28,7 @@ static kn_status plan(kn_ctx *ctx, kn_job *job, const kn_spline *surfaces, int n
     kn_job_bases bases = {0};
     kn_status status = kn_tile_copy(ctx, &job->tile, tile);
     if (status == KN_OK) status = kn_tile_rotate(ctx, &job->tile, job->options.quarter_turns);
+    if (status == KN_OK) status = kn_job_looks_init(ctx, job);
     if (status == KN_OK) status = kn_job_split(ctx, &bases, job, surfaces, nsurfaces);
     if (status == KN_OK) status = kn_job_decide_sizes(ctx, job, &bases);
     if (status == KN_OK) status = kn_job_make_shells(ctx, job, &bases);

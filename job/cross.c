@@ -1,25 +1,27 @@
 // SPDX-License-Identifier: Apache-2.0
-// Patches that cross knot lines of S, and not along parameter lines of their own.
+// Patches that cross knot lines of S, or ends of its domain that cut them off, and not along parameter lines of their
+// own.
 #include "job/cross.h"
 
 kn_status kn_job_cross(kn_ctx *ctx, bool *crossed, kn_job_cell_plan *plan, const kn_job_leaf *leaf,
                        const kn_job_place *place, const kn_bezier *d)
 {
     kn_crossing x;
-    bool few, any = true;
+    bool few, any = true, fits = true;
     kn_job_crossing way = plan->job->options.crossing;
-    kn_job_leaf part = *leaf; // with what the tile's own trim leaves of it
+    kn_job_leaf part = *leaf; // with what the tile's own trim, and the ends, leave of it
     *crossed = false;
     kn_crossing_init(&few, &x, plan, &part, place, d);
     if (!few || d->nvars > 2) return KN_OK;
     if (d->nvars == 1) return kn_cross_curve(ctx, crossed, &x);
-    if (way == KN_CROSSING_REFUSE) return KN_OK;
-    bool one_box = x.n[0] == 0 && x.n[1] == 0; // exact, and nothing to cut
+    bool one_box = x.n[0] == 0 && x.n[1] == 0, clipped = kn_cross_is_clipped(&x); // one box: exact, nothing to cut
+    if (way == KN_CROSSING_REFUSE && !(one_box && clipped)) return KN_OK;
     kn_status status = KN_OK;
     if (kn_job_is_trimmed(plan, leaf)) status = kn_job_leaf_trim(ctx, &part.trim, &any, plan, leaf);
+    if (status == KN_OK && any && clipped) status = kn_cross_clip(ctx, &fits, &any, &part.trim, &x);
     if (status == KN_OK && !any)
         *crossed = true;
-    else if (status == KN_OK)
+    else if (status == KN_OK && fits)
         status = one_box || way == KN_CROSSING_TRIM ? kn_cross_trim(ctx, crossed, &x)
                                                     : kn_cross_fit(ctx, crossed, &x);
     kn_trim_clear(ctx, &part.trim);

@@ -17,6 +17,7 @@ typedef struct kn_crossing {
     double lo[2], hi[2], top; // of u and v; max |w|
     int n[2];                 // lines
     double line[2][KN_CROSS_LINES];
+    double end[2][2]; // of the domain, where D reaches over it and is cut off; infinite: none (kn_job_clip_ends)
     int piece[KN_CROSS_LINES + 1][KN_CROSS_LINES + 1]; // of plan->pieces
     int shift[KN_CROSS_LINES + 1][KN_CROSS_LINES + 1][2];
     double off; // of trims from lines, at most, in u or v
@@ -38,14 +39,27 @@ void kn_crossing_map(double origin[2], double width[2], const kn_crossing *x, in
 // included. (i, j): the lower box.
 kn_status kn_crossing_gap(kn_ctx *ctx, double *gap, const kn_crossing *x, int var, int i, int j, double delta);
 
+// The same for the end of the domain at x->end[var][at]: how far T moves from there within delta. (i, j): the box.
+kn_status kn_crossing_shift(kn_ctx *ctx, double *gap, const kn_crossing *x, int var, int at, int i, int j,
+                            double delta);
+
 // What rounding does to T(D), composed with the piece of box (i, j), and to its homogeneous coordinates.
 double kn_crossing_rounding(const kn_crossing *x, int i, int j);
+
+// ---- cross_clip.c ----
+bool kn_cross_is_clipped(const kn_crossing *x);
+// Cuts *trim, of D, at the ends of the domain: x->leaf's crossing_tol holds there. *any: there is something left. *fits:
+// there are pieces, and the tolerance is met; else nothing else has changed.
+kn_status kn_cross_clip(kn_ctx *ctx, bool *fits, bool *any, kn_trim *trim, kn_crossing *x);
 
 // ---- cross_curve.c ----
 // A curve of the tile: cut where it crosses.
 kn_status kn_cross_curve(kn_ctx *ctx, bool *crossed, kn_crossing *x);
 // ---- cross_trim.c ----
 kn_status kn_cross_trim(kn_ctx *ctx, bool *crossed, kn_crossing *x);
+// Cuts *rest at a line, to within delta of it: `below` gets what lies before it, *rest keeps the other part.
+kn_status kn_cross_cut(kn_ctx *ctx, kn_trim *below, kn_trim *rest, kn_trim_cut_report *report, kn_crossing *x,
+                       int var, double line, double delta);
 // ---- cross_fit.c ----
 kn_status kn_cross_fit(kn_ctx *ctx, bool *crossed, kn_crossing *x);
 

@@ -43,8 +43,12 @@ void kn_crossing_init(bool *yes, kn_crossing *x, kn_job_cell_plan *plan, const k
     double w[2];
     *x = (kn_crossing){.plan = plan, .leaf = leaf, .place = place, .d = d};
     *yes = true;
+    for (int c = 0; c < 2; c++) range(&x->lo[c], &x->hi[c], d, c);
+    kn_job_clip_ends(x->end, plan->job, place);
+    bool clips = kn_job_clip_box(x->lo, x->hi, (const double(*)[2])x->end) == KN_CLIP_ACROSS;
     for (int c = 0; c < 2; c++) {
-        range(&x->lo[c], &x->hi[c], d, c);
+        if (!clips || !(x->lo[c] < x->end[c][0])) x->end[c][0] = -INFINITY;
+        if (!clips || !(x->hi[c] > x->end[c][1])) x->end[c][1] = INFINITY;
         for (double line = floor(x->lo[c]) + 1.0; line < x->hi[c]; line += 1.0) {
             if (!kn_job_is_knot(plan->job, s, place->cell, c, line)) continue;
             if (x->n[c] == KN_CROSS_LINES)
@@ -68,10 +72,10 @@ static double step_of(const kn_crossing *x, int var, reach how)
     return how == CLOSE && exponent - 1 < -3 ? ldexp(1.0, exponent - 1) : 0.125;
 }
 
-// The interval of the box in one variable, between the knots.
+// The interval of the box in one variable, between the knots, and the ends at which D is cut off.
 static void interval(double *lo, double *hi, int *shift, const kn_crossing *x, int var, int k, reach how)
 {
-    double from = k > 0 ? x->line[var][k - 1] : -INFINITY, to = k < x->n[var] ? x->line[var][k] : INFINITY;
+    double from = k > 0 ? x->line[var][k - 1] : x->end[var][0], to = k < x->n[var] ? x->line[var][k] : x->end[var][1];
     double step = step_of(x, var, how);
     double a = fmax(floor(x->lo[var] / step) * step, from), b = fmin(ceil(x->hi[var] / step) * step, to);
     const kn_job_surface *s = &x->plan->job->surfaces[x->place->surface];

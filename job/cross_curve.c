@@ -12,7 +12,7 @@ static int compare(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-// at[0 .. n - 1], sorted: where the curve meets a line. Places nearer than 2^-40 to another, or to an end, are one.
+// at[0 .. n - 1], sorted: where the curve meets a line, or an end at which it is cut off. Places nearer than 2^-40 to another, or to an end, are one.
 static kn_status find_cuts(kn_ctx *ctx, double *at, int *n, int room, const kn_crossing *x)
 {
     kn_bezier part = {0};
@@ -20,11 +20,13 @@ static kn_status find_cuts(kn_ctx *ctx, double *at, int *n, int room, const kn_c
     kn_status status = KN_OK;
     *n = 0;
     for (int c = 0; c < 2; c++)
-        for (int k = 0; status == KN_OK && k < x->n[c]; k++) {
+        for (int k = 0; status == KN_OK && k < x->n[c] + 2; k++) {
             kn_root *roots = NULL;
             size_t nroots = 0;
+            double line = k < x->n[c] ? x->line[c][k] : x->end[c][k - x->n[c]];
+            if (!isfinite(line)) continue;
             status = kn_bezier_components(ctx, &part, x->d, c, 1);
-            for (size_t i = 0; status == KN_OK && i < kn_bezier_count(&part); i++) part.coef[i] -= x->line[c][k];
+            for (size_t i = 0; status == KN_OK && i < kn_bezier_count(&part); i++) part.coef[i] -= line;
             if (status == KN_OK) status = kn_spline_of_bezier(ctx, &f, &part);
             if (status == KN_OK) status = kn_solve_roots(ctx, &roots, &nroots, NULL, &f, NULL);
             for (size_t i = 0; i < nroots && *n < room; i++) at[(*n)++] = roots[i].at[0];
@@ -40,12 +42,14 @@ static kn_status find_cuts(kn_ctx *ctx, double *at, int *n, int room, const kn_c
     return status;
 }
 
-// The box in which the middle of the part lies.
-static kn_status find_box(kn_ctx *ctx, int box[2], const kn_crossing *x, double middle)
+// The box in which the middle of the part lies, if that is not cut off.
+static kn_status find_box(kn_ctx *ctx, int box[2], bool *there, const kn_crossing *x, double middle)
 {
     double p[3];
     kn_status status = kn_bezier_eval(ctx, p, x->d, &middle);
+    *there = true;
     for (int c = 0; c < 2; c++) {
+        *there = *there && status == KN_OK && p[c] >= x->end[c][0] && p[c] <= x->end[c][1];
         box[c] = 0;
         while (status == KN_OK && box[c] < x->n[c] && p[c] > x->line[c][box[c]]) box[c]++;
     }
@@ -78,9 +82,9 @@ static kn_status own_patch(kn_ctx *ctx, int *index, const kn_crossing *x, double
 
 kn_status kn_cross_curve(kn_ctx *ctx, bool *crossed, kn_crossing *x)
 {
-    enum { ROOM = 2 * KN_MAX_DEGREE * KN_CROSS_LINES + 1 };
+    enum { ROOM = 2 * KN_MAX_DEGREE * (KN_CROSS_LINES + 2) + 1 };
     double at[ROOM + 1];
-    bool fits = true;
+    bool fits = true, there;
     int n = 0, box[2];
     kn_status status = find_cuts(ctx, at, &n, ROOM, x);
     at[n] = 1.0;
@@ -88,7 +92,8 @@ kn_status kn_cross_curve(kn_ctx *ctx, bool *crossed, kn_crossing *x)
         for (int k = 0; status == KN_OK && fits && k <= n; k++) {
             double from = k > 0 ? at[k - 1] : 0.0;
             kn_job_leaf part = *x->leaf;
-            status = find_box(ctx, box, x, 0.5 * (from + at[k]));
+            status = find_box(ctx, box, &there, x, 0.5 * (from + at[k]));
+            if (!there) continue;
             if (status == KN_OK) status = kn_crossing_piece(ctx, &fits, x, box[0], box[1]);
             if (pass == 0 || status != KN_OK || !fits) continue;
             status = own_patch(ctx, &part.key.patch, x, from, at[k]);

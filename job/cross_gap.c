@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// How far T of two knot boxes differ near the line between them.
+// How far T of two knot boxes differ near the line between them, and how far T moves near an end of the domain.
 //
 // Along the line itself they agree, as far as S, n and the fields are continuous there. So the coefficients of their
 // difference, over the strip within delta of the line, are as small as delta^(k+1) for a base that is C^k: no
@@ -46,16 +46,22 @@ typedef struct sums {
     double rounding;                      // .. the size of the coefficients that are composed, times their growth
 } sums;
 
-static kn_status add_term(kn_ctx *ctx, sums *s, const kn_crossing *x, const int a[2], const int b[2], int term,
-                          const strip *over)
+// What is compared: T of two boxes over one strip, or of one box over a strip and along its middle.
+typedef struct sides {
+    int a[2], b[2];
+    strip over_a, over_b;
+} sides;
+
+static kn_status add_term(kn_ctx *ctx, sums *s, const kn_crossing *x, const sides *of, int term)
 {
+    const int *a = of->a, *b = of->b;
     const kn_shell_piece *p = &x->plan->pieces.list[x->piece[a[0]][a[1]]].piece;
     const kn_shell_piece *q = &x->plan->pieces.list[x->piece[b[0]][b[1]]].piece;
     kn_bezier left = {0}, right = {0}, d = {0};
     double wrong[2], scale = pow(x->top, p->power[term]) * (1.0 + 0x1p-40);
     bool rational = p->term[0].rational;
-    kn_status status = over_strip(ctx, &left, &wrong[0], x, a[0], a[1], term, over);
-    if (status == KN_OK) status = over_strip(ctx, &right, &wrong[1], x, b[0], b[1], term, over);
+    kn_status status = over_strip(ctx, &left, &wrong[0], x, a[0], a[1], term, &of->over_a);
+    if (status == KN_OK) status = over_strip(ctx, &right, &wrong[1], x, b[0], b[1], term, &of->over_b);
     if (status == KN_OK) status = kn_bezier_difference(ctx, &d, &left, &right);
     if (status == KN_OK) {
         double off = wrong[0] * largest(&p->term[term], 0, 3) + wrong[1] * largest(&q->term[term], 0, 3);
@@ -108,28 +114,48 @@ double kn_crossing_rounding(const kn_crossing *x, int i, int j)
     return kn_round_up(composition(x, piece, (const int[2]){i, j}) * size * 1.01);
 }
 
-kn_status kn_crossing_gap(kn_ctx *ctx, double *gap, const kn_crossing *x, int var, int i, int j, double delta)
+static kn_status compare(kn_ctx *ctx, double *gap, const kn_crossing *x, const sides *of)
 {
-    const int a[2] = {i, j}, b[2] = {i + (var == 0), j + (var == 1)};
-    const kn_shell_piece *p = &x->plan->pieces.list[x->piece[a[0]][a[1]]].piece;
-    const kn_shell_piece *q = &x->plan->pieces.list[x->piece[b[0]][b[1]]].piece;
+    const kn_shell_piece *p = &x->plan->pieces.list[x->piece[of->a[0]][of->a[1]]].piece;
+    const kn_shell_piece *q = &x->plan->pieces.list[x->piece[of->b[0]][of->b[1]]].piece;
     *gap = INFINITY;
     if (p->nterms != q->nterms || p->term[0].rational != q->term[0].rational) return KN_OK;
     for (int t = 0; t < p->nterms; t++)
         if (p->power[t] != q->power[t]) return KN_OK;
-    strip s;
-    int across = 1 - var, k = var == 0 ? j : i;
-    double line = x->line[var][var == 0 ? i : j], margin = 0x1p-7; // what the other variable's cuts may be off
-    s.lo[var] = line - delta, s.hi[var] = line + delta;
-    s.lo[across] = k > 0 ? x->line[across][k - 1] - margin : floor(x->lo[across] * 64.0) / 64.0;
-    s.hi[across] = k < x->n[across] ? x->line[across][k] + margin : ceil(x->hi[across] * 64.0) / 64.0;
     sums sum = {.weight = 1.0};
     kn_status status = KN_OK;
-    for (int t = 0; status == KN_OK && t < p->nterms; t++) status = add_term(ctx, &sum, x, a, b, t, &s);
+    for (int t = 0; status == KN_OK && t < p->nterms; t++) status = add_term(ctx, &sum, x, of, t);
     if (status != KN_OK || !(sum.weight > 0.0)) return status;
-    double rounding = (composition(x, p, a) + composition(x, q, b)) * sum.rounding;
+    double rounding = (composition(x, p, of->a) + composition(x, q, of->b)) * sum.rounding;
     double value = sum.value / sum.weight; // |P/w - Q/v| <= (|P - Q| + |Q/v| |w - v|) / w
     double moved = sum.difference + value * sum.weight_difference + rounding * (1.0 + value);
     *gap = kn_round_up(moved / sum.weight);
     return KN_OK;
+}
+
+// Within delta of a line in variable var, between the lines and ends of the other one, in which k counts boxes.
+static strip strip_along(const kn_crossing *x, int var, int k, double line, double delta)
+{
+    strip s;
+    int across = 1 - var;
+    const double margin = 0x1p-7; // what the other variable's cuts may be off
+    double lo = floor(x->lo[across] * 64.0) / 64.0, hi = ceil(x->hi[across] * 64.0) / 64.0;
+    s.lo[var] = line - delta, s.hi[var] = line + delta;
+    s.lo[across] = k > 0 ? x->line[across][k - 1] - margin : fmax(lo, x->end[across][0] - margin);
+    s.hi[across] = k < x->n[across] ? x->line[across][k] + margin : fmin(hi, x->end[across][1] + margin);
+    return s;
+}
+
+kn_status kn_crossing_gap(kn_ctx *ctx, double *gap, const kn_crossing *x, int var, int i, int j, double delta)
+{
+    strip s = strip_along(x, var, var == 0 ? j : i, x->line[var][var == 0 ? i : j], delta);
+    return compare(ctx, gap, x, &(sides){{i, j}, {i + (var == 0), j + (var == 1)}, s, s});
+}
+
+kn_status kn_crossing_shift(kn_ctx *ctx, double *gap, const kn_crossing *x, int var, int at, int i, int j,
+                            double delta)
+{
+    strip s = strip_along(x, var, var == 0 ? j : i, x->end[var][at], delta), line = s;
+    line.lo[var] = line.hi[var] = x->end[var][at];
+    return compare(ctx, gap, x, &(sides){{i, j}, {i, j}, s, line});
 }

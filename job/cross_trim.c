@@ -45,9 +45,8 @@ static kn_status component(kn_ctx *ctx, kn_bezier *f, double *slope, const kn_cr
     return status;
 }
 
-// Cuts *rest at a line: `below` gets what lies before it, *rest keeps the other part.
-static kn_status cut(kn_ctx *ctx, kn_trim *below, kn_trim *rest, kn_trim_cut_report *report, kn_crossing *x, int var,
-                     double line, double delta)
+kn_status kn_cross_cut(kn_ctx *ctx, kn_trim *below, kn_trim *rest, kn_trim_cut_report *report, kn_crossing *x,
+                       int var, double line, double delta)
 {
     kn_bezier f = {0};
     kn_trim above = {0};
@@ -59,7 +58,8 @@ static kn_status cut(kn_ctx *ctx, kn_trim *below, kn_trim *rest, kn_trim_cut_rep
         if (status != KN_OK || report->residual <= delta) break;
     }
     if (status == KN_OK && !(report->residual <= delta))
-        status = kn_fail(ctx, KN_EUNDECIDED, "job: a trim along a knot line is off by %g cells; %g are allowed",
+        status = kn_fail(ctx, KN_EUNDECIDED,
+                         "job: a trim along a knot line or border is off by %g cells; %g are allowed",
                          report->residual, delta);
     if (status == KN_OK) {
         x->off = fmax(x->off, report->residual);
@@ -93,7 +93,7 @@ static kn_status cut_strip(kn_ctx *ctx, kn_crossing *x, kn_trim *strip, int i, d
     for (int j = 0; status == KN_OK && report.above && j <= x->n[1]; j++) {
         kn_trim part = {0};
         if (j < x->n[1]) {
-            status = cut(ctx, &part, strip, &report, x, 1, x->line[1][j], delta);
+            status = kn_cross_cut(ctx, &part, strip, &report, x, 1, x->line[1][j], delta);
         } else {
             part = *strip;
             *strip = (kn_trim){0};
@@ -121,7 +121,7 @@ kn_status kn_cross_trim(kn_ctx *ctx, bool *crossed, kn_crossing *x)
     for (int i = 0; status == KN_OK && report.above && i <= x->n[0]; i++) {
         kn_trim strip = {0};
         if (i < x->n[0]) {
-            status = cut(ctx, &strip, &rest, &report, x, 0, x->line[0][i], delta);
+            status = kn_cross_cut(ctx, &strip, &rest, &report, x, 0, x->line[0][i], delta);
         } else {
             strip = rest;
             rest = (kn_trim){0};

@@ -222,22 +222,28 @@ bool kn_job_is_clipped(const kn_job *job, int surface, const int cell[2], const 
     return false;
 }
 
-bool kn_job_reaches_over_clip(const kn_job *job, int surface, const int cell[2], const kn_job_patch *patch)
+void kn_job_clip_ends(double end[2][2], const kn_job *job, const kn_job_place *place)
+{
+    const kn_job_surface *s = &job->surfaces[place->surface];
+    for (int d = 0; d < 2; d++) { // a quarter turn exchanges the directions
+        bool clips = job->options.placement.border[d ^ (place->turn & 1)] == KN_BORDER_CLIP && !s->closed[d];
+        for (int e = 0; e < 2; e++) {
+            end[d][e] = e == 0 ? -INFINITY : INFINITY;
+            if (clips && !s->partner[2 * d + e].goes_on) end[d][e] = (e == 0 ? 0 : s->cells[d]) - place->cell[d];
+        }
+    }
+}
+
+kn_job_clipped kn_job_clip_box(const double lo[2], const double hi[2], const double end[2][2])
 {
     const double near = 1e-9;
-    size_t n = kn_bezier_count(&patch->d);
+    kn_job_clipped where = KN_CLIP_INSIDE;
     for (int d = 0; d < 2; d++) {
-        double lo = INFINITY, hi = -INFINITY;
-        if (job->options.placement.border[d] != KN_BORDER_CLIP || patch->inside) continue;
-        for (size_t i = 0; i < n; i++) {
-            double x = patch->d.coef[(size_t)d * n + i];
-            lo = fmin(lo, x), hi = fmax(hi, x);
-        }
-        int at = cell[d] + patch->offset[d];
-        const kn_job_surface *s = &job->surfaces[surface];
-        if (is_end(s, d, at + (int)floor(lo + near)) || is_end(s, d, at + (int)ceil(hi - near) - 1)) return true;
+        bool below = lo[d]<end[d][0] - near, above = hi[d]> end[d][1] + near;
+        if ((below && hi[d] <= end[d][0] + near) || (above && lo[d] >= end[d][1] - near)) return KN_CLIP_OUTSIDE;
+        if (below || above) where = KN_CLIP_ACROSS;
     }
-    return false;
+    return where;
 }
 
 kn_job_place kn_job_find_place(const kn_job *job, int surface, const int cell[2], const int offset[2])

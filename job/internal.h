@@ -146,6 +146,7 @@ struct kn_job {
     kn_job_surface *surfaces;
     int nsurfaces;
     struct kn_job_varying *varying; // NULL: tiles are the same everywhere
+    struct kn_job_looks *looks;     // colours by fields; NULL: none
     kn_job_variant *variants;       // [0]: as modelled
     int nvariants;
     size_t ncells;
@@ -248,8 +249,12 @@ bool kn_job_turns_over(int edge, const kn_job_partner *partner);
 kn_job_place kn_job_find_place(const kn_job *job, int surface, const int cell[2], const int offset[2]);
 // Whether it lies beyond an end at which tiles are cut off (KN_BORDER_CLIP).
 bool kn_job_is_clipped(const kn_job *job, int surface, const int cell[2], const int offset[2]);
-// Whether a patch that lies in the domain in part reaches over such an end, where it would have to be trimmed.
-bool kn_job_reaches_over_clip(const kn_job *job, int surface, const int cell[2], const kn_job_patch *patch);
+// Those ends in the coordinates of the place's cell: end[variable][0] below it and [1] above, infinite where there is
+// none.
+void kn_job_clip_ends(double end[2][2], const kn_job *job, const kn_job_place *place);
+// Where the box [lo,hi] of (u,v) lies, to 1e-9 of a cell; what is flat along an end is inside.
+typedef enum kn_job_clipped { KN_CLIP_INSIDE, KN_CLIP_ACROSS, KN_CLIP_OUTSIDE } kn_job_clipped;
+kn_job_clipped kn_job_clip_box(const double lo[2], const double hi[2], const double end[2][2]);
 
 // ---- counts.c ----
 // The class of each direction of each surface (2 surface + variable): lines that meet on shared edges.
@@ -477,6 +482,10 @@ bool kn_job_map_mirrors(const double map[3][4]);
 // ---- meshes.c ----
 // Appends leaves for the mesh parts of one tile of a cell.
 kn_status kn_job_map_meshes(kn_ctx *ctx, kn_job_cell_plan *plan, const kn_job_instance *instance);
+
+// ---- clip_mesh.c ----
+// Cuts off what of a mesh's (u,v) lies beyond the ends (kn_job_clip_ends), in place. *mesh unchanged on failure of a cut.
+kn_status kn_job_clip_mesh(kn_ctx *ctx, kn_mesh *mesh, const double end[2][2]);
 
 // ---- facts.c ----
 // Surface and cell of the cell numbered `index` in the job's order.

@@ -11,7 +11,7 @@
 // What stands between one job and one sink: patches are told which layer they are of, and counted on.
 typedef struct layer {
     kn_sink *sink;
-    int number, first_part;
+    int number, first_part, first_look;
     size_t first_patch;
 } layer;
 
@@ -42,6 +42,7 @@ static kn_status layer_work(kn_ctx *worker, void *user, const kn_patch_block *bl
         p->patches[i] = block->patches[i];
         p->patches[i].id.layer = l->number;
         p->patches[i].id.part += l->first_part;
+        p->patches[i].look += l->first_look;
     }
     p->block = (kn_patch_block){l->first_patch + block->first, block->count, p->patches};
     if (status == KN_OK && l->sink->work) status = l->sink->work(worker, l->sink->user, &p->block, &p->of_sink);
@@ -86,12 +87,12 @@ static void name_part(kn_tile_part *parts, int n, int number)
 static kn_status join_tiles(kn_ctx *ctx, kn_tile *out, const kn_job *const *jobs, int njobs)
 {
     kn_tile all = {.name = "layers", .aspect = 1.0};
-    for (int k = 0; k < njobs; k++) all.nparts += kn_job_tile(jobs[k])->nparts;
+    for (int k = 0; k < njobs; k++) all.nparts += kn_job_look_tile(jobs[k])->nparts;
     all.parts = kn_alloc(ctx, (size_t)all.nparts, sizeof *all.parts);
     if (!all.parts) return KN_ENOMEM;
     int n = 0;
     for (int k = 0; k < njobs; k++) {
-        const kn_tile *tile = kn_job_tile(jobs[k]);
+        const kn_tile *tile = kn_job_look_tile(jobs[k]);
         all.covering = all.covering || tile->covering;
         for (int p = 0; p < tile->nparts; p++, n++) {
             all.parts[n] = tile->parts[p];
@@ -151,6 +152,7 @@ static kn_status run_layer(kn_ctx *ctx, const kn_job *job, layer *layers, kn_sin
     for (int i = 0; i < nsinks; i++) {
         layers[i].number++;
         layers[i].first_part += kn_job_tile(job)->nparts;
+        layers[i].first_look += kn_job_look_tile(job)->nparts;
         layers[i].first_patch += kn_job_describe(job).patches;
     }
     return status;

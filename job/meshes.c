@@ -179,6 +179,9 @@ kn_status kn_job_map_meshes(kn_ctx *ctx, kn_job_cell_plan *plan, const kn_job_in
 {
     const kn_job *job = plan->job;
     target t = {job, plan->surface, plan->cell, has_turning_edge(job)};
+    const kn_job_place place = {plan->surface, {plan->cell[0], plan->cell[1]}, 0};
+    double end[2][2];
+    kn_job_clip_ends(end, job, &place);
     kn_mesh_map_options o = kn_mesh_map_defaults();
     o.tolerance = job->options.mesh_tol;
     o.reversed = (job->options.height < 0.0) != kn_job_map_mirrors(instance->map);
@@ -190,8 +193,10 @@ kn_status kn_job_map_meshes(kn_ctx *ctx, kn_job_cell_plan *plan, const kn_job_in
         leaf.patch = patches_before_mesh(part);
         kn_mesh placed = {0};
         status = place_mesh(ctx, &placed, plan, instance, p);
-        if (status == KN_OK) status = kn_mesh_map_by(ctx, &leaf.mesh, NULL, &placed, map_point, &t, &o);
-        if (status == KN_OK) status = kn_job_add_leaf(ctx, plan, &leaf);
+        if (status == KN_OK) status = kn_job_clip_mesh(ctx, &placed, (const double(*)[2])end);
+        bool any = placed.ntriangles > 0;
+        if (status == KN_OK && any) status = kn_mesh_map_by(ctx, &leaf.mesh, NULL, &placed, map_point, &t, &o);
+        if (status == KN_OK && any) status = kn_job_add_leaf(ctx, plan, &leaf);
         kn_mesh_clear(ctx, &leaf.mesh);
         kn_mesh_clear(ctx, &placed);
     }

@@ -47,6 +47,19 @@ static kn_status choose_cut(kn_ctx *ctx, int *var, const kn_bezier *d, kn_job_re
     return status;
 }
 
+// Where D lies as to the ends at which it is cut off.
+static kn_job_clipped find_clipped(const kn_job *job, const kn_job_place *place, const kn_bezier *d)
+{
+    double lo[2] = {INFINITY, INFINITY}, hi[2] = {-INFINITY, -INFINITY}, end[2][2];
+    size_t n = kn_bezier_count(d);
+    for (size_t i = 0; i < 2 * n; i++) {
+        lo[i / n] = fmin(lo[i / n], d->coef[i]);
+        hi[i / n] = fmax(hi[i / n], d->coef[i]);
+    }
+    kn_job_clip_ends(end, job, place);
+    return kn_job_clip_box(lo, hi, (const double(*)[2])end);
+}
+
 static kn_status give_up(kn_ctx *ctx, const kn_job_cell_plan *plan, const kn_job_leaf *leaf, bool crosses)
 {
     const kn_job_patch *p = kn_job_leaf_patch(plan, leaf);
@@ -66,6 +79,17 @@ static kn_status give_up(kn_ctx *ctx, const kn_job_cell_plan *plan, const kn_job
                    "job: no normal of low degree within the tolerance for patch %d of tile part \"%s\" in cell %d,%d "
                    "of surface %d, after %d bisections each way",
                    p->patch, name, cell[0], cell[1], s->origin, KN_JOB_MAX_DEPTH);
+}
+
+static kn_status refuse_clip(kn_ctx *ctx, const kn_job_cell_plan *plan, const kn_job_leaf *leaf)
+{
+    const kn_job_patch *p = kn_job_leaf_patch(plan, leaf);
+    const kn_job_surface *s = &plan->job->surfaces[plan->surface];
+    return kn_fail(ctx, KN_EDOMAIN,
+                   "job: volume %d of tile part \"%s\" crosses the end of surface %d in cell %d,%d, and not along a "
+                   "parameter line of its own: volumes cannot be trimmed; --border extend keeps it whole",
+                   p->patch, plan->job->tile.parts[p->part].name, s->origin, s->origin_cell[0] + plan->cell[0],
+                   s->origin_cell[1] + plan->cell[1]);
 }
 
 // What the trim of a tile's surface leaves of it.
@@ -105,13 +129,16 @@ static kn_status plan_rect(kn_ctx *ctx, kn_job_cell_plan *plan, const kn_job_lea
     double lo[2], hi[2];
     kn_job_box(lo, hi, &d);
     int depth = rect->level[0] + rect->level[1] + rect->level[2], index = 0, var = 0;
-    bool crosses = crosses_knot(plan->job, place, lo, hi), done = false;
-    if (crosses || lies_beyond(plan->job, &d, lo, hi)) {
+    kn_job_clipped clipped = find_clipped(plan->job, place, &d);
+    bool crosses = crosses_knot(plan->job, place, lo, hi), done = clipped == KN_CLIP_OUTSIDE;
+    if (clipped == KN_CLIP_ACROSS && d.nvars == 3) {
+        status = refuse_clip(ctx, plan, leaf);
+    } else if (!done && (clipped == KN_CLIP_ACROSS || crosses || lies_beyond(plan->job, &d, lo, hi))) {
         bool outline = plan->pieces.outline;
         plan->pieces.outline = false;
         status = kn_job_cross(ctx, &done, plan, leaf, place, &d);
         plan->pieces.outline = outline;
-    } else {
+    } else if (!done) {
         status = kn_job_pieces_get(ctx, &index, &plan->pieces, place, lo, hi);
         if (status == KN_OK && plan->pieces.list[index].fits) {
             kn_job_leaf made = *leaf;
@@ -137,13 +164,7 @@ static kn_status plan_patch(kn_ctx *ctx, kn_job_cell_plan *plan, int patch, bool
     static const double zero[2] = {0.0, 0.0}, one[2] = {1.0, 1.0};
     kn_job_leaf leaf = {.key = {.patch = patch}, .own = own, .instance = instance, .piece = -1};
     const kn_job_patch *p = kn_job_leaf_patch(plan, &leaf);
-    if (kn_job_is_clipped(plan->job, plan->surface, plan->cell, p->offset)) return KN_OK;
-    if (kn_job_reaches_over_clip(plan->job, plan->surface, plan->cell, p))
-        return kn_fail(
-            ctx, KN_EDOMAIN,
-            "job: patch %d of tile part \"%s\" crosses the end of surface %d, and not along a parameter line of "
-            "its own: it cannot be clipped there; take the border extend, or another tile",
-            p->patch, plan->job->tile.parts[p->part].name, plan->job->surfaces[plan->surface].origin);
+    if (p->inside && kn_job_is_clipped(plan->job, plan->surface, plan->cell, p->offset)) return KN_OK;
     kn_job_place place = kn_job_find_place(plan->job, plan->surface, plan->cell, p->offset);
     leaf.key.turn = (uint8_t)place.turn;
     if (p->inside) {

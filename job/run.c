@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Running a job: blocks of cells are composed on any thread and committed in order.
+#include "job/looks.h"
 #include "job/run.h"
 #include "kernel/parallel.h"
 
@@ -129,7 +130,8 @@ static kn_status begin_sinks(kn_ctx *ctx, runner *r)
         return status;
     }
     for (int k = 0; status == KN_OK && k < r->nsinks; k++)
-        if (r->sinks[k].begin) status = r->sinks[k].begin(ctx, r->sinks[k].user, &r->job->tile, &r->job->report);
+        if (r->sinks[k].begin)
+            status = r->sinks[k].begin(ctx, r->sinks[k].user, kn_job_look_tile(r->job), &r->job->report);
     return status;
 }
 

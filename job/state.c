@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // What a run is noted as between two commits: which job, how far, and the sinks.
+#include "job/looks.h"
 #include "job/run.h"
 
 #include <string.h>
@@ -62,6 +63,8 @@ uint64_t kn_job_identity(const kn_job *job, uint64_t own)
         take(&h, (uint64_t)job->patches[k].part << 32 | (uint64_t)job->patches[k].patch);
         take_numbers(&h, d->coef, (size_t)d->ncomp * kn_bezier_count(d));
     }
+    for (int p = 0; job->looks && p < job->looks->tile.nparts; p++)
+        take_numbers(&h, job->looks->tile.parts[p].material.base_color, 3);
     take(&h, job->keys.count);
     take(&h, job->lists.nrefs);
     for (size_t i = 0; i < job->nalike; i++) {
@@ -143,7 +146,8 @@ kn_status kn_job_restore_state(kn_ctx *ctx, kn_job_state *state, const kn_job *j
         at += sizeof length;
         if (!there || length > state->bytes - at)
             return kn_fail(ctx, KN_EDOMAIN, "job: the interrupted run had %d sinks, not %d", k, nsinks);
-        status = sinks[k].restore(ctx, sinks[k].user, &job->tile, &job->report, state->data + at, (size_t)length);
+        status = sinks[k].restore(ctx, sinks[k].user, kn_job_look_tile(job), &job->report, state->data + at,
+                                  (size_t)length);
         at += (size_t)length;
     }
     if (status == KN_OK && at != state->bytes)

@@ -48,18 +48,6 @@ static void mark_boundary(grid *g, const kn_outline *o)
         }
 }
 
-static bool is_inside(const kn_outline *o, double r, double t)
-{
-    int winding = 0;
-    for (int l = 0, first = 0; l < o->nloops; first = o->loop_end[l++])
-        for (int k = first; k < o->loop_end[l]; k++) {
-            const double *p = o->at[k], *q = o->at[k + 1 < o->loop_end[l] ? k + 1 : first];
-            if ((p[1] > t) == (q[1] > t)) continue;
-            if (p[0] + (t - p[1]) / (q[1] - p[1]) * (q[0] - p[0]) > r) winding += q[1] > p[1] ? 1 : -1;
-        }
-    return winding > 0;
-}
-
 // A run of boxes between two that the boundary meets lies on one side of it.
 static void fill_inside(grid *g, const kn_outline *o)
 {
@@ -70,7 +58,7 @@ static void fill_inside(grid *g, const kn_outline *o)
                 known = false;
                 continue;
             }
-            if (!known) in = is_inside(o, (i + 0.5) / g->a, (j + 0.5) / g->b);
+            if (!known) in = kn_outline_contains(o, (i + 0.5) / g->a, (j + 0.5) / g->b);
             known = true;
             g->state[i * g->b + j] = in ? INSIDE : OUTSIDE;
         }

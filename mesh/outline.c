@@ -145,3 +145,15 @@ kn_status kn_outline_sample(kn_ctx *ctx, kn_outline *out, const kn_trim *trim, c
     }
     return status;
 }
+
+bool kn_outline_contains(const kn_outline *o, double r, double t)
+{
+    int winding = 0;
+    for (int l = 0, first = 0; l < o->nloops; first = o->loop_end[l++])
+        for (int k = first; k < o->loop_end[l]; k++) {
+            const double *p = o->at[k], *q = o->at[k + 1 < o->loop_end[l] ? k + 1 : first];
+            if ((p[1] > t) == (q[1] > t)) continue;
+            if (p[0] + (t - p[1]) / (q[1] - p[1]) * (q[0] - p[0]) > r) winding += q[1] > p[1] ? 1 : -1;
+        }
+    return winding > 0;
+}

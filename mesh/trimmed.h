@@ -25,6 +25,8 @@ typedef struct kn_triangles {
 kn_status kn_outline_sample(kn_ctx *ctx, kn_outline *out, const kn_trim *trim, const int segments[2]);
 kn_status kn_outline_add(kn_ctx *ctx, kn_outline *out, const double at[2]);
 void kn_outline_clear(kn_ctx *ctx, kn_outline *outline);
+// Whether loops wind around the point; in doubles.
+bool kn_outline_contains(const kn_outline *outline, double r, double t);
 
 // ---- polygon.c ----
 // Twice the signed area of the triangle, 0 where rounding hides its sign.

@@ -20,6 +20,7 @@ typedef struct chains {
     size_t n;
     size_t *next, *before; // of each piece; none
     double gap;
+    size_t doubtful;
 } chains;
 
 static const double *start_of(const chains *c, size_t i)
@@ -94,17 +95,18 @@ static int by_distance(const void *a, const void *b)
     return (x->to > y->to) - (x->to < y->to);
 }
 
-// All joins of loose ends within reach; list NULL: counted.
-static size_t find_joins(join *list, const chains *c, const key *keys, double reach)
+// All joins of loose ends within reach; of those on trims alone; list NULL: counted.
+static size_t find_joins(join *list, const chains *c, const key *keys, double reach, bool cut)
 {
     size_t n = 0;
     for (size_t i = 0; i < c->n; i++) {
-        if (c->next[i] != none) continue;
+        if (c->next[i] != none || (cut && !c->lines[i].cut[1])) continue;
         const double *end = end_of(c, i);
         for (size_t k = lower(keys, c->n, end[0] - reach, -INFINITY); k < c->n && keys[k].at[0] <= end[0] + reach;
              k++) {
             double distance = hypot(keys[k].at[0] - end[0], keys[k].at[1] - end[1]);
-            if (c->before[keys[k].line] != none || distance > reach) continue;
+            if (c->before[keys[k].line] != none || distance > reach || (cut && !c->lines[keys[k].line].cut[0]))
+                continue;
             if (list) list[n] = (join){distance, i, keys[k].line};
             n++;
         }
@@ -113,19 +115,32 @@ static size_t find_joins(join *list, const chains *c, const key *keys, double re
 }
 
 // The nearest first.
-static kn_status link_near(kn_ctx *ctx, chains *c, const key *keys, double reach)
+static kn_status link_near(kn_ctx *ctx, chains *c, const key *keys, double reach, bool cut)
 {
-    size_t n = find_joins(NULL, c, keys, reach);
+    kn_mark mark = kn_scratch_mark(ctx);
+    size_t n = find_joins(NULL, c, keys, reach, cut);
     join *joins = kn_scratch(ctx, n, sizeof *joins);
     if (!joins) return KN_ENOMEM;
-    (void)find_joins(joins, c, keys, reach);
+    (void)find_joins(joins, c, keys, reach, cut);
     if (n > 0) qsort(joins, n, sizeof *joins, by_distance);
     for (size_t i = 0; i < n; i++) {
         if (c->next[joins[i].from] != none || c->before[joins[i].to] != none) continue;
         link_up(c, joins[i].from, joins[i].to);
         c->gap = fmax(c->gap, joins[i].distance);
+        c->doubtful += cut;
     }
+    kn_scratch_release(ctx, mark);
     return KN_OK;
+}
+
+// Ends on a trim have one on the other side of it. Where the contour runs nearly along the trim, or the surface is
+// nearly level, it may be farther away than the two sides are.
+static kn_status link_trims(kn_ctx *ctx, chains *c, const key *keys, double reach)
+{
+    kn_status status = KN_OK;
+    for (double factor = 8.0; status == KN_OK && factor <= 512.0; factor *= 8.0)
+        status = link_near(ctx, c, keys, factor * reach, true);
+    return status;
 }
 
 // Writes the pieces from `start` on, each without its first point where that is the last one's end.
@@ -167,7 +182,7 @@ static kn_status collect(kn_ctx *ctx, kn_slice *layer, const chains *c)
 }
 
 kn_status kn_slice_chain(kn_ctx *ctx, const kn_slice_lines *from, const kn_slice_line *lines, size_t n,
-                         const kn_slice_options *o, size_t plane, kn_slice_fn fn, void *user)
+                         const kn_slice_options *o, const kn_slice_note *note, kn_slice_fn fn, void *user)
 {
     kn_mark mark = kn_scratch_mark(ctx);
     chains c = {.from = from, .lines = lines, .n = n};
@@ -180,14 +195,16 @@ kn_status kn_slice_chain(kn_ctx *ctx, const kn_slice_lines *from, const kn_slice
         c.next[i] = c.before[i] = none;
         keys[i] = (key){{p[0], p[1]}, i};
     }
-    kn_slice layer = {.index = plane, .z = kn_slice_height(o, plane), .doubtful = from->doubtful};
+    kn_slice layer = {.index = note->plane, .z = kn_slice_height(o, note->plane), .error = note->error};
     if (status == KN_OK) {
         if (n > 0) qsort(keys, n, sizeof *keys, by_place);
         link_equal(&c, keys);
-        status = link_near(ctx, &c, keys, o->join > 0.0 ? o->join : o->tol);
+        status = link_near(ctx, &c, keys, kn_slice_reach(o, 0.0), false);
+        if (status == KN_OK) status = link_trims(ctx, &c, keys, kn_slice_reach(o, 0.0));
     }
     if (status == KN_OK) status = collect(ctx, &layer, &c);
     layer.gap = c.gap;
+    layer.doubtful = note->doubtful + c.doubtful;
     if (status == KN_OK) status = fn(ctx, user, &layer);
     kn_scratch_release(ctx, mark);
     return status;

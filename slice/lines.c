@@ -9,6 +9,7 @@ void kn_slice_lines_clear(kn_ctx *ctx, kn_slice_lines *lines)
 {
     kn_free(ctx, lines->points);
     kn_free(ctx, lines->list);
+    kn_free(ctx, lines->notes);
     *lines = (kn_slice_lines){0};
 }
 
@@ -37,7 +38,8 @@ static kn_status reserve_lines(kn_ctx *ctx, kn_slice_lines *l, size_t more)
 kn_status kn_slice_begin_line(kn_ctx *ctx, kn_slice_lines *l, size_t plane, const kn_patch_id *id)
 {
     kn_status status = reserve_lines(ctx, l, 1);
-    if (status == KN_OK) l->list[l->nlines++] = (kn_slice_line){plane, l->npoints, 0, id->part, id->layer};
+    if (status == KN_OK)
+        l->list[l->nlines++] = (kn_slice_line){plane, l->npoints, 0, id->part, id->layer, {false, false}};
     return status;
 }
 
@@ -55,6 +57,24 @@ kn_status kn_slice_add_point(kn_ctx *ctx, kn_slice_lines *l, double x, double y)
     return KN_OK;
 }
 
+kn_status kn_slice_add_note(kn_ctx *ctx, kn_slice_lines *l, size_t plane, size_t doubtful, double error)
+{
+    if (l->nnotes == 0 || l->notes[l->nnotes - 1].plane != plane) {
+        if (l->nnotes == l->note_room) {
+            size_t room = 2 * l->note_room + 16;
+            kn_slice_note *notes = kn_resize(ctx, l->notes, room, sizeof *notes);
+            if (!notes) return KN_ENOMEM;
+            l->notes = notes;
+            l->note_room = room;
+        }
+        l->notes[l->nnotes++] = (kn_slice_note){plane, 0, 0.0};
+    }
+    kn_slice_note *note = &l->notes[l->nnotes - 1];
+    note->doubtful += doubtful;
+    note->error = fmax(note->error, error);
+    return KN_OK;
+}
+
 kn_status kn_slice_append(kn_ctx *ctx, kn_slice_lines *a, const kn_slice_lines *b)
 {
     kn_status status = reserve_points(ctx, a, b->npoints);
@@ -67,8 +87,9 @@ kn_status kn_slice_append(kn_ctx *ctx, kn_slice_lines *a, const kn_slice_lines *
         a->list[a->nlines++] = line;
     }
     a->npoints += b->npoints;
-    a->doubtful += b->doubtful;
-    return KN_OK;
+    for (size_t i = 0; status == KN_OK && i < b->nnotes; i++)
+        status = kn_slice_add_note(ctx, a, b->notes[i].plane, b->notes[i].doubtful, b->notes[i].error);
+    return status;
 }
 
 double kn_slice_height(const kn_slice_options *o, size_t plane)

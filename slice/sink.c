@@ -10,6 +10,7 @@ typedef struct slicer {
     kn_slice_fn fn;
     void *user;
     kn_slice_lines lines;
+    kn_slice_note *notes; // of each layer of the window
 } slicer;
 
 // The faces that are to be seen.
@@ -20,7 +21,7 @@ static kn_status cut_volume(kn_ctx *ctx, kn_slice_lines *out, const kn_slice_win
         kn_patch side = {0};
         if (p->hidden >> face & 1) continue;
         status = kn_patch_face(ctx, &side, p, face);
-        if (status == KN_OK) status = kn_slice_patch(ctx, out, w, &p->id, &side.bezier, side.reversed);
+        if (status == KN_OK) status = kn_slice_patch(ctx, out, w, &p->id, &side.bezier, NULL, side.reversed);
         kn_bezier_clear(ctx, &side.bezier);
     }
     return status;
@@ -31,12 +32,7 @@ static kn_status cut_patch(kn_ctx *ctx, kn_slice_lines *out, const kn_slice_wind
     if (p->mesh) return kn_slice_mesh(ctx, out, w, &p->id, p->mesh);
     if (p->bezier.nvars == 3) return cut_volume(ctx, out, w, p);
     if (p->bezier.nvars != 2) return KN_OK; // curves have no inside
-    if (!p->trim) return kn_slice_patch(ctx, out, w, &p->id, &p->bezier, p->reversed);
-    kn_mesh mesh = {0};
-    kn_status status = kn_patch_tessellate(ctx, &mesh, p);
-    if (status == KN_OK) status = kn_slice_mesh(ctx, out, w, &p->id, &mesh);
-    kn_mesh_clear(ctx, &mesh);
-    return status;
+    return kn_slice_patch(ctx, out, w, &p->id, &p->bezier, p->trim, p->reversed);
 }
 
 static kn_status work(kn_ctx *ctx, void *user, const kn_patch_block *block, void **product)
@@ -66,9 +62,24 @@ static kn_status commit(kn_ctx *ctx, void *user, const kn_patch_block *block, vo
 {
     (void)block;
     slicer *s = user;
-    kn_status status = kn_slice_append(ctx, &s->lines, product);
+    const kn_slice_lines *lines = product;
+    kn_status status = kn_slice_append(ctx, &s->lines, lines);
+    for (size_t i = 0; i < lines->nnotes; i++) {
+        kn_slice_note *note = &s->notes[lines->notes[i].plane - s->window.first];
+        note->doubtful += lines->notes[i].doubtful;
+        note->error = fmax(note->error, lines->notes[i].error);
+    }
     discard(ctx, user, product);
     return status;
+}
+
+// Pieces on the two sides of a knot line are no nearer to each other than the job says.
+static kn_status begin(kn_ctx *ctx, void *user, const kn_tile *tile, const kn_job_report *report)
+{
+    (void)ctx, (void)tile;
+    slicer *s = user;
+    s->window.options.join = kn_slice_reach(&s->window.options, report->crossing_error);
+    return KN_OK;
 }
 
 // By plane, and as they came within one.
@@ -88,7 +99,8 @@ static kn_status end(kn_ctx *ctx, void *user)
     for (size_t plane = s->window.first, at = 0; status == KN_OK && plane < s->window.end; plane++) {
         size_t n = 0;
         while (at + n < l->nlines && l->list[at + n].plane == plane) n++;
-        status = kn_slice_chain(ctx, l, n > 0 ? l->list + at : NULL, n, &s->window.options, plane, s->fn, s->user);
+        status = kn_slice_chain(ctx, l, n > 0 ? l->list + at : NULL, n, &s->window.options,
+                                &s->notes[plane - s->window.first], s->fn, s->user);
         at += n;
     }
     return status;
@@ -98,6 +110,7 @@ static void close_sink(kn_ctx *ctx, void *user)
 {
     slicer *s = user;
     kn_slice_lines_clear(ctx, &s->lines);
+    kn_free(ctx, s->notes);
     kn_free(ctx, s);
 }
 
@@ -111,12 +124,30 @@ kn_status kn_slice_check(kn_ctx *ctx, const kn_slice_options *o)
     return KN_OK;
 }
 
+double kn_slice_reach(const kn_slice_options *o, double crossing)
+{
+    return o->join > 0.0 ? o->join : fmax(o->tol, 2.0 * crossing);
+}
+
 kn_status kn_slice_window_sink(kn_ctx *ctx, kn_sink *out, const kn_slice_window *window, kn_slice_fn fn, void *user)
 {
     slicer *s = kn_alloc_zero(ctx, 1, sizeof *s);
-    if (!s) return KN_ENOMEM;
-    *s = (slicer){.window = *window, .fn = fn, .user = user};
-    *out = (kn_sink){.user = s, .work = work, .commit = commit, .discard = discard, .end = end, .close = close_sink};
+    size_t n = window->end - window->first;
+    kn_slice_note *notes = kn_alloc(ctx, n, sizeof *notes);
+    if (!s || !notes) {
+        kn_free(ctx, s);
+        kn_free(ctx, notes);
+        return KN_ENOMEM;
+    }
+    for (size_t i = 0; i < n; i++) notes[i] = (kn_slice_note){.plane = window->first + i};
+    *s = (slicer){.window = *window, .fn = fn, .user = user, .notes = notes};
+    *out = (kn_sink){.user = s,
+                     .begin = begin,
+                     .work = work,
+                     .commit = commit,
+                     .discard = discard,
+                     .end = end,
+                     .close = close_sink};
     return KN_OK;
 }
 

@@ -2,6 +2,8 @@
 // The contours of a triangle mesh. A point on an edge depends on its two ends alone, so that triangles meet bit for bit.
 #include "slice/internal.h"
 
+#include "bezier/norm_bound.h"
+
 #include <math.h>
 #include <string.h>
 
@@ -35,6 +37,10 @@ kn_status kn_slice_mesh(kn_ctx *ctx, kn_slice_lines *out, const kn_slice_window 
                         const kn_mesh *mesh)
 {
     kn_status status = KN_OK;
+    double largest = 0.0; // of x and y: s has five roundings, s (q - p) two more and the sum one
+    for (size_t i = 0; i < mesh->nvertices; i++)
+        largest = fmax(largest, fmax(fabs(mesh->position[3 * i]), fabs(mesh->position[3 * i + 1])));
+    double rounding = kn_round_up(1.5 * kn_gamma_up(16.0) * largest);
     for (size_t i = 0; status == KN_OK && i < mesh->ntriangles; i++) {
         const double *corner[3];
         for (int k = 0; k < 3; k++) corner[k] = mesh->position + 3 * (size_t)mesh->triangle[3 * i + (size_t)k];
@@ -42,8 +48,10 @@ kn_status kn_slice_mesh(kn_ctx *ctx, kn_slice_lines *out, const kn_slice_window 
         double hi = fmax(corner[0][2], fmax(corner[1][2], corner[2][2]));
         size_t from, to;
         kn_slice_planes(w, lo, hi, &from, &to);
-        for (size_t plane = from; status == KN_OK && plane < to; plane++)
+        for (size_t plane = from; status == KN_OK && plane < to; plane++) {
             status = cut(ctx, out, plane, kn_slice_height(&w->options, plane), id, corner);
+            if (status == KN_OK) status = kn_slice_add_note(ctx, out, plane, 0, rounding);
+        }
     }
     return status;
 }

@@ -10,6 +10,7 @@
 // the other goes on with.
 #include "solve/curves.h"
 
+#include "bezier/norm_bound.h"
 #include "kernel/bernstein.h"
 
 #include <float.h>
@@ -17,7 +18,7 @@
 #include <math.h>
 #include <string.h>
 
-enum { MOST_CHORDS = 256 };               // of a graph in one box
+enum { MOST_CHORDS = 16 };                // of a graph in one box: bounds are better in halves, which cost as much
 enum { LEFT, RIGHT, BOTTOM, TOP, SIDES }; // x = lo, x = hi, y = lo, y = hi
 static const size_t max_boxes = 1000000, none = SIZE_MAX;
 
@@ -50,11 +51,18 @@ typedef struct tracer {
     int degree[2];
     size_t count;
     double tol, longest;
-    double rounding; // of the coefficients, for each halving
+    double error, rounding; // of the coefficients: as given, and for each halving
+    double shift;           // of points, by rounding
     point *points;
     size_t npoints, room;
     kn_solve_report report;
 } tracer;
+
+// What the coefficients over a box are wrong by.
+static double margin_of(const tracer *t, const box *b)
+{
+    return t->error + t->rounding * (b->depth + 1);
+}
 
 static kn_status add_point(kn_ctx *ctx, tracer *t, size_t *index, double x, double y)
 {
@@ -174,16 +182,16 @@ static int by_place(const place *a, const place *b)
 // secants in which an end that stays counts half (Illinois), and a halving where they do not shrink the interval.
 static double monotone_root(const double *c, int n)
 {
-    double lo = 0.0, hi = 1.0, flo = c[0], fhi = c[n], basis[KN_MAX_DEGREE + 1], before = 2.0;
+    double lo = 0.0, hi = 1.0, flo = c[0], fhi = c[n], scaled[KN_MAX_DEGREE + 1], before = 2.0;
     int stays = 0;
+    kn_bernstein_scale(scaled, c, n);
     while (hi - lo > 2.0 * DBL_EPSILON) {
-        double x = lo + (hi - lo) * (flo / (flo - fhi)), f;
+        double x = lo + (hi - lo) * (flo / (flo - fhi));
         bool slow = hi - lo > 0.5 * before;
         before = hi - lo;
         if (slow || !(x > lo && x < hi)) x = 0.5 * (lo + hi);
         if (!(x > lo && x < hi)) break;
-        kn_bernstein_basis(basis, n, x);
-        kn_bernstein_contract(&f, c, 1, n + 1, 1, basis);
+        double f = kn_bernstein_horner(scaled, n, x);
         if (f == 0.0) return x;
         if ((f < 0.0) == (c[0] < 0.0)) {
             lo = x, flo = f;
@@ -270,7 +278,7 @@ static int derivative_sign(double range[2], const tracer *t, const box *b, int v
             hi = fmax(hi, d);
         }
     if (n == 0) lo = hi = 0.0;
-    double margin = 2.0 * n * t->rounding * (b->depth + 1);
+    double margin = 2.0 * n * margin_of(t, b);
     range[0] = lo - margin;
     range[1] = hi + margin;
     return range[0] > 0.0 ? 1 : range[1] < 0.0 ? -1 : 0;
@@ -289,7 +297,7 @@ static double second_derivative(const tracer *t, const box *b, int v, int w)
             double d = v == w ? c[0] - 2.0 * c[step[v]] + c[2 * step[v]] : c[0] - c[1] - c[step[0]] + c[step[0] + 1];
             most = fmax(most, fabs(d));
         }
-    return factor > 0.0 ? factor * (most + 4.0 * t->rounding * (b->depth + 1)) : 0.0;
+    return factor > 0.0 ? factor * (most + 4.0 * margin_of(t, b)) : 0.0;
 }
 
 // How long chords of graphs over variable y may be, in y: range of the derivatives, that across of one sign.
@@ -308,13 +316,21 @@ static double chord_length(const tracer *t, const box *b, double range[2][2], in
 
 static bool keeps_sign(const tracer *t, const box *b)
 {
-    double margin = t->rounding * (b->depth + 1);
+    double margin = margin_of(t, b);
     bool positive = true, negative = true;
     for (size_t i = 0; i < t->count; i++) {
         positive = positive && b->c[i] > margin;
         negative = negative && b->c[i] < -margin;
     }
     return positive || negative;
+}
+
+// By how much points of graphs are off: values at them are known to the margin and the rounding of a value, and the
+// derivative across is at least `least`; places have some roundings of numbers up to 1 for each halving.
+static void note_shift(tracer *t, const box *b, double least, double width)
+{
+    double value = margin_of(t, b) + 2.0 * t->rounding;
+    t->shift = fmax(t->shift, kn_round_up(value / least * width + 4.0 * (b->depth + 1) * DBL_EPSILON));
 }
 
 // Whether the box is done. *split: the variable to halve otherwise.
@@ -338,6 +354,7 @@ static kn_status finish(kn_ctx *ctx, tracer *t, const box *b, bool *done, int *s
     if (sign[across] != 0 && longish) *split = 1 - across;
     if (length >= least * width[1 - across]) {
         kn_status status = join_graphs(ctx, t, done, b, 1 - across, sign[across] > 0, length);
+        if (*done) note_shift(t, b, fmin(fabs(range[across][0]), fabs(range[across][1])), width[across]);
         if (status != KN_OK || *done) return status;
     }
     bool small = fmax(width[0], width[1]) <= t->tol / 2.0 || t->report.boxes > max_boxes;
@@ -489,15 +506,17 @@ static kn_status check(kn_ctx *ctx, const kn_bezier *f, double tol)
 kn_status kn_solve_curves_bezier(kn_ctx *ctx, kn_solve_curve **curves, size_t *n, kn_solve_report *report,
                                  const kn_bezier *f, double tol)
 {
-    return kn_solve_trace(ctx, curves, n, report, f, tol, INFINITY, NULL);
+    double distance;
+    return kn_solve_trace(ctx, curves, n, report, &distance, f, &(kn_trace_options){tol, INFINITY, 0.0, NULL});
 }
 
-kn_status kn_solve_trace(kn_ctx *ctx, kn_solve_curve **curves, size_t *n, kn_solve_report *report, const kn_bezier *f,
-                         double tol, double longest, const kn_sign_changes *edges)
+kn_status kn_solve_trace(kn_ctx *ctx, kn_solve_curve **curves, size_t *n, kn_solve_report *report, double *distance,
+                         const kn_bezier *f, const kn_trace_options *o)
 {
-    kn_status status = check(ctx, f, tol);
+    kn_status status = check(ctx, f, o->tol);
     if (status != KN_OK) return status;
-    tracer t = {.degree = {f->degree[0], f->degree[1]}, .count = kn_bezier_count(f), .tol = tol, .longest = longest};
+    tracer t = {.degree = {f->degree[0], f->degree[1]}, .count = kn_bezier_count(f)};
+    t.tol = o->tol, t.longest = o->longest, t.error = o->error;
     box all = {.hi = {1.0, 1.0}, .c = f->coef};
     double largest = 0.0, line[KN_MAX_DEGREE + 1];
     for (size_t i = 0; i < t.count; i++) largest = fmax(largest, fabs(f->coef[i]));
@@ -506,12 +525,13 @@ kn_status kn_solve_trace(kn_ctx *ctx, kn_solve_curve **curves, size_t *n, kn_sol
     for (int k = 0; status == KN_OK && k < SIDES; k++) {
         const double from[2] = {k == RIGHT, k == TOP};
         int degree = gather(line, &t, f->coef, k), along = k == LEFT || k == RIGHT;
-        status = edges ? take_places(ctx, &t, &all.sides[k], &edges[k], from, along, 1.0)
-                       : find_places(ctx, &t, &all.sides[k], line, degree, from, along, 1.0);
+        status = o->edges ? take_places(ctx, &t, &all.sides[k], &o->edges[k], from, along, 1.0)
+                          : find_places(ctx, &t, &all.sides[k], line, degree, from, along, 1.0);
     }
     if (status == KN_OK) status = trace(ctx, &t, &all);
     if (status == KN_OK) status = collect(ctx, &t, curves, n);
     if (status == KN_OK && report) *report = t.report;
+    if (status == KN_OK) *distance = kn_round_up(o->tol + t.shift);
     kn_scratch_release(ctx, mark);
     kn_free(ctx, t.points);
     return status;

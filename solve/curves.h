@@ -17,6 +17,11 @@ typedef struct kn_sign_changes {
     size_t count, room;
 } kn_sign_changes;
 
+// Values of a polynomial in Bernstein form by Horner's rule in t / (1 - t), or in its reciprocal: scaled[i] =
+// C(degree,i) c[i]. In [0,1] they are off by gamma(6 degree + 4) sum |c_i| B_i at most.
+void kn_bernstein_scale(double *scaled, const double *c, int degree);
+double kn_bernstein_horner(const double *scaled, int degree, double t);
+
 // Appends, in increasing order, the places of [0,1] where f, of Bernstein coefficients c[0 .. degree], goes from
 // f < 0 to f >= 0 or back, to neighbouring doubles: zero counts as positive, so that any two functions that agree have
 // the same list, also where f vanishes at an end or throughout. Neighbouring crossings alternate. Reversing c gives the
@@ -24,9 +29,17 @@ typedef struct kn_sign_changes {
 // nearer to each other than the rounding of the coefficients tells.
 kn_status kn_solve_sign_changes(kn_ctx *ctx, kn_sign_changes *out, size_t *doubtful, const double *c, int degree);
 
-// As kn_solve_curves_bezier, and no chord is longer than `longest`. edges: the changes of sign
-// along x = 0, x = 1 (in y), y = 0, y = 1 (in x), where the caller knows them; NULL: found from f.
-kn_status kn_solve_trace(kn_ctx *ctx, kn_solve_curve **curves, size_t *n, kn_solve_report *report, const kn_bezier *f,
-                         double tol, double longest, const kn_sign_changes *edges);
+typedef struct kn_trace_options {
+    double tol;                   // as kn_solve_curves_bezier
+    double longest;               // of a chord
+    double error;                 // by which coefficients of f may be wrong
+    const kn_sign_changes *edges; // the changes of sign along x = 0, x = 1 (in y), y = 0, y = 1 (in x), where the
+                                  // caller knows them; NULL: found from f
+} kn_trace_options;
+// As kn_solve_curves_bezier. *distance: points of curves are that near to zeros of all functions within `error` of f,
+// rounding included, but where the report counts something; about tol, more where f has hardly a slope. A zero that
+// lies beyond the square by no more than that is its neighbour's.
+kn_status kn_solve_trace(kn_ctx *ctx, kn_solve_curve **curves, size_t *n, kn_solve_report *report, double *distance,
+                         const kn_bezier *f, const kn_trace_options *options);
 
 #endif

@@ -13,7 +13,7 @@ enum { MAX_HALVINGS = 60 };
 typedef struct search {
     kn_sign_changes *out;
     size_t *doubtful;
-    const double *c; // the whole function: crossings are those of its own values
+    const double *c, *scaled; // the whole function: crossings are those of its own values
     int degree;
 } search;
 
@@ -31,12 +31,9 @@ static int variations(const double *c, int degree)
 
 static double value(const search *s, double t)
 {
-    double basis[KN_MAX_DEGREE + 1], out;
     if (t <= 0.0) return s->c[0];
     if (t >= 1.0) return s->c[s->degree];
-    kn_bernstein_basis(basis, s->degree, t);
-    kn_bernstein_contract(&out, s->c, 1, s->degree + 1, 1, basis);
-    return out;
+    return kn_bernstein_horner(s->scaled, s->degree, t);
 }
 
 // Narrows [lo,hi], at whose ends signs differ, by secants in which an end that stays counts half (Illinois), while
@@ -110,6 +107,9 @@ static kn_status find(kn_ctx *ctx, const search *s, const double *c, double lo, 
 
 kn_status kn_solve_sign_changes(kn_ctx *ctx, kn_sign_changes *out, size_t *doubtful, const double *c, int degree)
 {
-    const search s = {out, doubtful, c, degree};
+    double scaled[KN_MAX_DEGREE + 1];
+    const search s = {out, doubtful, c, scaled, degree};
+    if (variations(c, degree) == 0) return KN_OK;
+    kn_bernstein_scale(scaled, c, degree);
     return find(ctx, &s, c, 0.0, 1.0, 0);
 }

@@ -109,7 +109,7 @@ kn_status work(kn_ctx *worker, void *user, const kn_patch_block *block, void **o
         mesh.nvertices = mesh.ntriangles = 0;
         for (size_t k = 0; k < block->count && status == KN_OK; k++) {
             const kn_patch *patch = block->patches + k;
-            if (patch->id.part == i) status = kn_patch_tessellate(worker, &mesh, patch);
+            if (patch->look == i) status = kn_patch_tessellate(worker, &mesh, patch);
         }
         if (status == KN_OK && mesh.ntriangles > 0) status = convert(worker, chunks + i, &mesh, s->weld);
     }

@@ -118,6 +118,19 @@ typedef struct kn_job_vary {
     kn_field field;
 } kn_job_vary;
 
+// Colours of tiles by a field: in the base colour's place, the other numbers of the material stay. The field is asked
+// once for each cell, at its middle, so that a tile has one colour, also where it reaches into other cells. Its range
+// is cut into equal steps: k / steps <= value < (k + 1) / steps has the palette's colour at k / (steps - 1) of its
+// length, linear between its colours; what is below 0 and above 1 has the first one and the last. As many steps as
+// colours: those alone. Cells are composed as they are without colours.
+typedef struct kn_job_color {
+    const char *part;           // of the tile; NULL: each. Of several that are for one part the last one holds
+    kn_field field;             // borrowed
+    const double (*palette)[3]; // linear RGB in [0,1], npalette >= 1 of them; the job copies them
+    int npalette;
+    int steps; // at most 256; 0: 16
+} kn_job_color;
+
 // Changes of each tile by chance, from the seed: casual tiles alone. Amplitudes; 0: none.
 typedef struct kn_job_random {
     uint64_t seed;
@@ -159,6 +172,8 @@ typedef struct kn_job_options {
     kn_job_selection select;
     const kn_job_vary *vary; // nvary of them, borrowed with all that they point to
     int nvary;
+    const kn_job_color *color; // ncolor of them
+    int ncolor;
     kn_job_random random;
     // Heights fall off to nothing over this distance from open ends of the base and borders of the mask, length units.
     double taper;
@@ -212,6 +227,7 @@ typedef struct kn_patch_id {
 
 typedef struct kn_patch {
     kn_patch_id id;
+    int look; // part of the tile that sinks begin with (kn_job_look_tile): by it they choose name and material
     // One to three variables, 3 components or 4 homogeneous ones; borrowed, valid during the call, as all that follows.
     kn_bezier bezier;
     const kn_trim *trim; // of a surface: what there is of it, in its [0,1]^2; NULL: all
@@ -278,8 +294,8 @@ typedef struct kn_job kn_job;
 // normal_tol, patches are composed over smaller boxes and bisected as needed.
 //
 // out:    *out, ended by kn_job_destroy.
-// fails:  as kn_shell_create, kn_spline_check and kn_tile_check; KN_EDOMAIN options negative or not finite, fewer
-//         cells than knot spans, a max_degree that leaves no room for the normal (the message says what is needed), a
+// fails:  as kn_shell_create, kn_spline_check and kn_tile_check; KN_EDOMAIN options negative or not finite, colours
+//         (kn_job_color) of no part, field or palette, fewer cells than knot spans, a max_degree that leaves no room for the normal (the message says what is needed), a
 //         tile patch that crosses a knot line of a surface and not along a parameter line of its own;
 //         KN_ELIMIT counts, cells, max_degree, a tile that reaches more than 256 cells beyond its own;
 //         KN_EUNDECIDED no normal within normal_tol after ten bisections each way; KN_ECANCELLED, KN_ENOMEM. *out
@@ -291,6 +307,9 @@ KN_API kn_job_report kn_job_describe(const kn_job *job);
 // The tile as placed (rotated), whose parts patches refer to; and the shell of one surface of the job, 0 .. nparts -
 // 1 (NULL: no such).
 KN_API const kn_tile *kn_job_tile(const kn_job *job);
+// The tile that sinks begin with: the same, except that a part which has colours by a field is there once for each
+// of them, "thorn.00", "thorn.01" ..; splines and meshes are shared, parameters left out. kn_patch.look counts these.
+KN_API const kn_tile *kn_job_look_tile(const kn_job *job);
 KN_API const kn_shell *kn_job_shell(const kn_job *job, int surface);
 // Which surface of the base a surface of the job is a part of (-1: no such surface), and the number of its first cell
 // among the cells of that one (NULL: not wanted).
@@ -333,13 +352,13 @@ KN_API KN_CHECKED kn_status kn_job_base_sensitivity(kn_ctx *ctx, kn_bezier *out,
 // or one cell each, two for each thread and one more. The sinks are not closed. ctx need not be the one that made the
 // job.
 //
-// fails: what the sinks answer; KN_EDOMAIN a sink without commit; KN_ECANCELLED, KN_ENOMEM. All products are
-//        then discarded.
+// fails: what the sinks answer; KN_EDOMAIN a sink without commit, a colour's field that is no number;
+//        KN_ECANCELLED, KN_ENOMEM. All products are then discarded.
 KN_API KN_CHECKED kn_status kn_job_run(kn_ctx *ctx, const kn_job *job, kn_sink *sinks, int nsinks);
 
 // Several layers, each with a base, tile and options of its own, in one run: sinks begin with the parts of all tiles,
 // layer by layer (a name that is there already gets a number), and the layers' reports in one; patches come layer by
-// layer, id.layer and id.part counted over all. fails: as kn_job_run; KN_EDOMAIN njobs < 1.
+// layer, id.layer, id.part and look counted over all. fails: as kn_job_run; KN_EDOMAIN njobs < 1.
 KN_API KN_CHECKED kn_status kn_job_run_layers(kn_ctx *ctx, const kn_job *const *jobs, int njobs, kn_sink *sinks,
                                               int nsinks);
 // What the layers' reports say together: sums, the worst of errors; sizes of the first.

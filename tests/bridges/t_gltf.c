@@ -119,7 +119,7 @@ static const char *accessor_data(const glb *g, const char *accessor, size_t *str
 
 static kn_patch make_patch(kn_ctx *ctx, double x0, int part, int a, int b, bool reversed)
 {
-    kn_patch p = {.id.part = part, .segments = {a, b}, .reversed = reversed, .exact = true};
+    kn_patch p = {.id.part = part, .look = part, .segments = {a, b}, .reversed = reversed, .exact = true};
     const double coef[12] = {x0, x0, x0 + 2, x0 + 2, 0, 4, 0, 4, 0, x0 / 8, 0, (x0 + 2) / 8};
     assert_int_equal(kn_bezier_init(ctx, &p.bezier, 2, 3, false, (int[2]){1, 1}), KN_OK);
     memcpy(p.bezier.coef, coef, sizeof coef);

@@ -237,7 +237,7 @@ static void parts_names_units(void **state)
     trip_start(&t, "parts.step", 3);
     for (int i = 0; i < 6; i++) {
         kn_patch *patch = trip_add(&t, 2, 2, false);
-        patch->id.part = i % 2 == 0 ? 0 : 2; // part 1 has no patch
+        patch->id.part = patch->look = i % 2 == 0 ? 0 : 2; // part 1 has no patch
         patch->id.piece = i == 5 ? 3 : 0;
     }
     trip_write(&t, &(kn_step_options){.product = "Teapot's \\ \xc3\xa9", .unit_mm = 25.4}, 4);

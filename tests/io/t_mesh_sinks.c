@@ -26,7 +26,7 @@ static void world_make(world *w, const char *name)
     test_tile_make(&w->tile, 2);
     for (int i = 0; i < PATCHES; i++) {
         test_patch(w->ctx, &w->patch[i], &rng, 3, 2, i == 4, i, 0.1);
-        w->patch[i].id.part = i >= 3;
+        w->patch[i].id.part = w->patch[i].look = i >= 3;
         w->patch[i].reversed = i == 2;
     }
     test_tmp_path(w->path, name);
@@ -227,7 +227,7 @@ static void refusals(void **state)
     assert_null(test_read_file(w.path, NULL));
     kn_ctx_clear_error(w.ctx);
     *x = kept;
-    w.patch[0].id.part = 2;
+    w.patch[0].look = 2;
     assert_int_equal(kn_obj_sink(w.ctx, &sink, w.path), KN_OK);
     assert_int_equal(test_feed(w.ctx, &sink, &w.tile.tile, &w.report, w.patch, 1, 1), KN_EDOMAIN);
     kn_sink_close(w.ctx, &sink);

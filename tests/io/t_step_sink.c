@@ -30,6 +30,7 @@ static void world_make(world *w, int threads)
     for (int i = 0; i < PATCHES; i++) {
         test_patch(w->ctx, &w->patch[i], &rng, 1 + i % 4, 3, i % 5 == 4, i, 0.1);
         w->patch[i].id = (kn_patch_id){.cell = {i, 2}, .part = i % 3 == 1, .patch = i};
+        w->patch[i].look = i % 3 == 1;
     }
     test_tmp_path(w->path, "out.step");
 }
@@ -211,9 +212,9 @@ static void refusals(void **state)
     kn_patch *patch = &w.patch[3];
     expect_refused(&w, &small, patch, KN_EDOMAIN); // degree 4 where 3 was announced
     expect_refused(&w, &none, patch, KN_EDOMAIN);
-    patch->id.part = 2;
+    patch->look = 2;
     expect_refused(&w, &report, patch, KN_EDOMAIN);
-    patch->id.part = 0;
+    patch->look = 0;
     double good = patch->bezier.coef[5];
     patch->bezier.coef[5] = NAN;
     expect_refused(&w, &report, patch, KN_EUNDEFINED);
