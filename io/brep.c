@@ -1,0 +1,490 @@
+// SPDX-License-Identifier: Apache-2.0
+// Which faces meet along which edges: tables of what waits, and a forest of bodies that grow together.
+#include "io/brep.h"
+
+#include "kernel/context.h"
+#include "kernel/hash.h"
+
+#include <string.h>
+
+enum { NONE = UINT32_MAX, FIRST_ROOM = 64, CHUNK_BYTES = 42, VARINT_BYTES = 10 };
+
+// An edge or a vertex that waits. uses: of a vertex, the edges that do; of an edge 1; 0: the place is empty.
+typedef struct entry {
+    kn_brep_key key;
+    uint64_t number;
+    uint32_t body, uses;
+    bool forward;
+} entry;
+
+typedef struct table {
+    entry *entries;
+    size_t room, count; // room is a power of two, a third of it empty at least
+} table;
+
+// Faces of a body: the first one's number, then the differences of the others, seven bits to a byte, the lowest bit
+// of all for a change of the look, which then follows.
+typedef struct chunk {
+    uint64_t number, last;
+    int look, last_look;
+    uint32_t next;
+    uint16_t used;
+    unsigned char data[CHUNK_BYTES];
+} chunk;
+
+// A root (parent NONE), or what became part of another body. refs: edges and bodies that name it.
+typedef struct body {
+    uint32_t parent, refs, waiting, head, tail;
+    int look;
+    bool there, odd; // odd: two faces use an edge in the same direction
+    uint64_t faces;
+} body;
+
+struct kn_brep {
+    table edges, vertices;
+    body *bodies;
+    chunk *chunks;
+    size_t nbodies, body_room, nchunks, chunk_room;
+    uint32_t free_body, free_chunk; // lists, by parent and by next
+    uint32_t face;                  // body of the face that was added last
+};
+
+// ---- keys ----
+
+static uint64_t bits_of(double x)
+{
+    uint64_t bits;
+    double positive = x + 0.0; // of a zero too
+    memcpy(&bits, &positive, sizeof bits);
+    return bits;
+}
+
+kn_brep_key kn_brep_hash(bool *turned, const double *x, int ncomp, size_t comp, size_t n, ptrdiff_t step)
+{
+    kn_brep_key key = {0x243f6a8885a308d3u, 0x13198a2e03707344u};
+    int order = 0;
+    const double *end = x + (ptrdiff_t)(n - 1) * step;
+    for (size_t i = 0; i < n && order == 0; i++)
+        for (size_t c = 0; c < (size_t)ncomp && order == 0; c++) {
+            double a = x[c * comp + i * (size_t)step], b = end[(ptrdiff_t)(c * comp) - (ptrdiff_t)i * step];
+            order = (a > b) - (a < b);
+        }
+    *turned = order > 0;
+    for (size_t i = 0; i < n; i++)
+        for (size_t c = 0; c < (size_t)ncomp; c++) {
+            const double *at = *turned ? end - (ptrdiff_t)i * step : x + (ptrdiff_t)i * step;
+            uint64_t bits = bits_of(at[c * comp]);
+            key.a = kn_hash_add(key.a, bits);
+            key.b = kn_hash_add(key.b, bits ^ 0x452821e638d01377u) + key.a;
+        }
+    return key;
+}
+
+static bool same(kn_brep_key a, kn_brep_key b)
+{
+    return a.a == b.a && a.b == b.b;
+}
+
+// ---- tables: open addressing, the next place when one is taken ----
+
+static entry *find(const table *t, kn_brep_key key)
+{
+    if (t->room == 0) return NULL;
+    size_t mask = t->room - 1, at = key.a & mask;
+    for (; t->entries[at].uses > 0; at = (at + 1) & mask)
+        if (same(t->entries[at].key, key)) return &t->entries[at];
+    return NULL;
+}
+
+static entry *put(table *t, const entry *e)
+{
+    size_t mask = t->room - 1, at = e->key.a & mask;
+    while (t->entries[at].uses > 0) at = (at + 1) & mask;
+    t->entries[at] = *e;
+    t->count++;
+    return &t->entries[at];
+}
+
+static kn_status insert(kn_ctx *ctx, table *t, const entry *e, entry **placed)
+{
+    if (3 * (t->count + 1) > 2 * t->room) {
+        table larger = {.room = t->room > 0 ? 2 * t->room : FIRST_ROOM};
+        larger.entries = kn_alloc_zero(ctx, larger.room, sizeof *larger.entries);
+        if (!larger.entries) return KN_ENOMEM;
+        for (size_t i = 0; i < t->room; i++)
+            if (t->entries[i].uses > 0) (void)put(&larger, &t->entries[i]);
+        kn_free(ctx, t->entries);
+        *t = larger;
+    }
+    entry *at = put(t, e);
+    if (placed) *placed = at;
+    return KN_OK;
+}
+
+// Those behind it that would not be found any more move up.
+static void take_out(table *t, entry *e)
+{
+    size_t mask = t->room - 1, hole = (size_t)(e - t->entries);
+    for (size_t at = (hole + 1) & mask; t->entries[at].uses > 0; at = (at + 1) & mask) {
+        size_t home = t->entries[at].key.a & mask;
+        if (((at - home) & mask) < ((at - hole) & mask)) continue;
+        t->entries[hole] = t->entries[at];
+        hole = at;
+    }
+    t->entries[hole] = (entry){.uses = 0};
+    t->count--;
+}
+
+static void release_vertex(kn_brep *b, kn_brep_key key)
+{
+    entry *v = find(&b->vertices, key);
+    if (v && --v->uses == 0) {
+        v->uses = 1;
+        take_out(&b->vertices, v);
+    }
+}
+
+// ---- bodies ----
+
+static void release_body(kn_brep *b, uint32_t at)
+{
+    while (at != NONE) {
+        body *x = &b->bodies[at];
+        uint32_t parent = x->parent;
+        if (--x->refs > 0 || parent == NONE) return; // roots go when they are dropped
+        *x = (body){.parent = b->free_body};
+        b->free_body = at;
+        at = parent;
+    }
+}
+
+static uint32_t root_of(const kn_brep *b, uint32_t at)
+{
+    while (b->bodies[at].parent != NONE) at = b->bodies[at].parent;
+    return at;
+}
+
+static kn_status new_body(kn_ctx *ctx, kn_brep *b, uint32_t *out)
+{
+    if (b->free_body == NONE) {
+        if (b->nbodies == b->body_room) {
+            size_t room = b->body_room > 0 ? 2 * b->body_room : FIRST_ROOM;
+            if (room >= NONE) return kn_fail(ctx, KN_ELIMIT, "%zu bodies", room);
+            body *more = kn_resize(ctx, b->bodies, room, sizeof *more);
+            if (!more) return KN_ENOMEM;
+            b->bodies = more, b->body_room = room;
+        }
+        b->bodies[b->nbodies] = (body){.parent = NONE};
+        b->free_body = (uint32_t)b->nbodies++;
+    }
+    *out = b->free_body;
+    b->free_body = b->bodies[*out].parent;
+    b->bodies[*out] = (body){.parent = NONE, .head = NONE, .tail = NONE, .look = KN_BREP_NONE, .there = true};
+    return KN_OK;
+}
+
+// The body with fewer faces becomes part of the other; answers that.
+static uint32_t unite(kn_brep *b, uint32_t one, uint32_t two)
+{
+    if (one == two) return one;
+    uint32_t big = b->bodies[one].faces >= b->bodies[two].faces ? one : two, small = big == one ? two : one;
+    body *x = &b->bodies[big], *y = &b->bodies[small];
+    if (x->head == NONE) {
+        x->head = y->head, x->tail = y->tail, x->look = y->look;
+    } else if (y->head != NONE) {
+        b->chunks[x->tail].next = y->head;
+        x->tail = y->tail;
+        if (x->look != y->look) x->look = KN_BREP_NONE;
+    }
+    x->faces += y->faces;
+    x->waiting += y->waiting;
+    x->odd = x->odd || y->odd;
+    y->parent = big, y->head = y->tail = NONE;
+    x->refs++; // y names it
+    y->refs++;
+    release_body(b, small);
+    return big;
+}
+
+// ---- faces ----
+
+// The vertex of a key, or of the other end of a collapsed edge.
+static const entry *vertex_of(const kn_brep *b, kn_brep_key key, const kn_brep_key (*pairs)[2], int npairs)
+{
+    const entry *v = find(&b->vertices, key);
+    for (int i = 0; i < npairs && !v; i++)
+        for (int k = 0; k < 2 && !v; k++)
+            if (same(pairs[i][k], key)) v = find(&b->vertices, pairs[i][1 - k]);
+    return v;
+}
+
+static kn_status take_vertices(kn_ctx *ctx, kn_brep *b, const kn_brep_edge *e, const kn_brep_key (*pairs)[2],
+                               int npairs, uint64_t *next, kn_brep_name *name)
+{
+    for (int k = 0; k < 2; k++) {
+        entry *v = find(&b->vertices, e->vertex[k]);
+        name->new_vertex[k] = false;
+        if (!v) {
+            const entry *other = vertex_of(b, e->vertex[k], pairs, npairs);
+            name->new_vertex[k] = other == NULL;
+            entry fresh = {.key = e->vertex[k], .number = other ? other->number : (*next)++, .uses = 1};
+            kn_status status = insert(ctx, &b->vertices, &fresh, &v);
+            if (status != KN_OK) return status;
+            v->uses = 0;
+        }
+        v->uses++;
+        name->vertex[k] = v->number;
+    }
+    return KN_OK;
+}
+
+// Edge i waits since an earlier face: not any more.
+static void join(kn_brep *b, const kn_brep_edge *e, entry *waiting, uint32_t *at)
+{
+    uint32_t named = waiting->body, root = root_of(b, named);
+    bool odd = waiting->forward == e->forward;
+    take_out(&b->edges, waiting);
+    b->bodies[root].waiting--;
+    if (odd) b->bodies[root].odd = true;
+    *at = *at == NONE ? root : unite(b, *at, root);
+    release_body(b, named);
+    for (int k = 0; k < 2; k++) release_vertex(b, e->vertex[k]);
+}
+
+// Nothing of the face is shared: vertices along its boundary by their keys alone.
+static void name_alone(const kn_brep_edge *edges, int n, uint64_t *next, kn_brep_name *names)
+{
+    for (int i = 0; i < n; i++) {
+        for (int k = 0; k < 2; k++) {
+            names[i].new_vertex[k] = true;
+            for (int j = 0; j < 2 * i + k && names[i].new_vertex[k]; j++)
+                if (same(edges[j / 2].vertex[j % 2], edges[i].vertex[k])) {
+                    names[i].vertex[k] = names[j / 2].vertex[j % 2];
+                    names[i].new_vertex[k] = false;
+                }
+            if (names[i].new_vertex[k]) names[i].vertex[k] = (*next)++;
+        }
+        *next += 2;
+        names[i].edge = *next - 1, names[i].new_edge = true;
+    }
+}
+
+kn_status kn_brep_add(kn_ctx *ctx, kn_brep *b, const kn_brep_edge *edges, int n, const kn_brep_key (*pairs)[2],
+                      int npairs, uint64_t *next, kn_brep_name *names)
+{
+    uint32_t at = NONE;
+    kn_status status = KN_OK;
+    for (int i = 0; i < npairs; i++) {
+        const entry *one = find(&b->vertices, pairs[i][0]), *two = find(&b->vertices, pairs[i][1]);
+        if (!one || !two || one->number == two->number) continue;
+        name_alone(edges, n, next, names);
+        status = new_body(ctx, b, &b->face);
+        if (status == KN_OK) b->bodies[b->face].odd = true;
+        return status;
+    }
+    for (int i = 0; i < n && status == KN_OK; i++)
+        status = take_vertices(ctx, b, &edges[i], pairs, npairs, next, &names[i]);
+    for (int i = 0; i < n && status == KN_OK; i++) {
+        entry *waiting = find(&b->edges, edges[i].key);
+        names[i].new_edge = waiting == NULL;
+        names[i].edge = waiting ? waiting->number : 0;
+        if (waiting) join(b, &edges[i], waiting, &at);
+    }
+    if (status == KN_OK && at == NONE) status = new_body(ctx, b, &at);
+    for (int i = 0; i < n && status == KN_OK; i++) {
+        if (!names[i].new_edge) continue;
+        int twin = i + 1;
+        while (twin < n && !(names[twin].new_edge && same(edges[twin].key, edges[i].key))) twin++;
+        *next += 2;
+        names[i].edge = *next - 1;
+        if (twin < n) { // a seam
+            names[twin].edge = names[i].edge, names[twin].new_edge = false;
+            if (edges[twin].forward == edges[i].forward) b->bodies[at].odd = true;
+            continue;
+        }
+        entry fresh = {edges[i].key, names[i].edge, at, 1, edges[i].forward};
+        status = insert(ctx, &b->edges, &fresh, NULL);
+        for (int k = 0; k < 2 && status == KN_OK; k++) find(&b->vertices, edges[i].vertex[k])->uses++;
+        b->bodies[at].waiting++, b->bodies[at].refs++;
+    }
+    for (int i = 0; i < n && status == KN_OK; i++)
+        for (int k = 0; k < 2; k++) release_vertex(b, edges[i].vertex[k]);
+    b->face = at;
+    return status;
+}
+
+static kn_status new_chunk(kn_ctx *ctx, kn_brep *b, uint32_t *out)
+{
+    if (b->free_chunk == NONE) {
+        if (b->nchunks == b->chunk_room) {
+            size_t room = b->chunk_room > 0 ? 2 * b->chunk_room : FIRST_ROOM;
+            if (room >= NONE) return kn_fail(ctx, KN_ELIMIT, "%zu lists of faces", room);
+            chunk *more = kn_resize(ctx, b->chunks, room, sizeof *more);
+            if (!more) return KN_ENOMEM;
+            b->chunks = more, b->chunk_room = room;
+        }
+        b->chunks[b->nchunks].next = NONE;
+        b->free_chunk = (uint32_t)b->nchunks++;
+    }
+    *out = b->free_chunk;
+    b->free_chunk = b->chunks[*out].next;
+    return KN_OK;
+}
+
+static void put_varint(chunk *c, uint64_t x)
+{
+    for (; x >= 128; x >>= 7) c->data[c->used++] = (unsigned char)(x | 128);
+    c->data[c->used++] = (unsigned char)x;
+}
+
+kn_status kn_brep_end_face(kn_ctx *ctx, kn_brep *b, uint64_t number, int look, int *closed)
+{
+    body *x = &b->bodies[b->face];
+    chunk *c = x->tail != NONE ? &b->chunks[x->tail] : NULL;
+    if (!c || number <= c->last || c->used + 2 * VARINT_BYTES > CHUNK_BYTES) {
+        uint32_t fresh = NONE;
+        kn_status status = new_chunk(ctx, b, &fresh);
+        if (status != KN_OK) return status;
+        c = &b->chunks[fresh];
+        *c = (chunk){.number = number, .look = look, .next = NONE};
+        if (x->tail != NONE) b->chunks[x->tail].next = fresh;
+        if (x->head == NONE) x->head = fresh;
+        x->tail = fresh;
+    } else {
+        put_varint(c, 2 * (number - c->last) + (look != c->last_look));
+        if (look != c->last_look) put_varint(c, (uint64_t)look);
+    }
+    c->last = number, c->last_look = look;
+    x->look = x->faces == 0 || x->look == look ? look : KN_BREP_NONE;
+    x->faces++;
+    *closed = x->waiting == 0 && !x->odd ? (int)b->face : KN_BREP_NONE;
+    return KN_OK;
+}
+
+bool kn_brep_next_body(const kn_brep *b, int *at)
+{
+    size_t i = *at == KN_BREP_NONE ? 0 : (size_t)*at + 1;
+    while (i < b->nbodies && !(b->bodies[i].there && b->bodies[i].parent == NONE)) i++;
+    if (i >= b->nbodies) return false;
+    *at = (int)i;
+    return true;
+}
+
+kn_brep_walk kn_brep_faces(const kn_brep *b, int at)
+{
+    return (kn_brep_walk){.chunk = b->bodies[at].head, .left = b->bodies[at].faces};
+}
+
+static uint64_t take_varint(const chunk *c, uint32_t *at)
+{
+    uint64_t x = 0;
+    for (int shift = 0;; shift += 7) {
+        unsigned char byte = c->data[(*at)++];
+        x |= (uint64_t)(byte & 127) << shift;
+        if (byte < 128) return x;
+    }
+}
+
+// at: 0 before the chunk's first face, then 1 and the bytes that were read.
+bool kn_brep_step(const kn_brep *b, kn_brep_walk *w)
+{
+    if (w->left == 0) return false;
+    const chunk *c = &b->chunks[w->chunk];
+    if (w->at > c->used) {
+        w->chunk = c->next, w->at = 0;
+        c = &b->chunks[w->chunk];
+    }
+    if (w->at == 0) {
+        w->number = c->number, w->look = c->look, w->at = 1;
+    } else {
+        uint32_t at = w->at - 1;
+        uint64_t step = take_varint(c, &at);
+        w->number += step / 2;
+        if (step % 2) w->look = (int)take_varint(c, &at);
+        w->at = at + 1;
+    }
+    w->left--;
+    return true;
+}
+
+int kn_brep_look(const kn_brep *b, int at)
+{
+    return b->bodies[at].look;
+}
+
+void kn_brep_drop(kn_brep *b, int at)
+{
+    body *x = &b->bodies[at];
+    if (x->head != NONE) {
+        b->chunks[x->tail].next = b->free_chunk;
+        b->free_chunk = x->head;
+    }
+    *x = (body){.parent = b->free_body};
+    b->free_body = (uint32_t)at;
+}
+
+// ---- life ----
+
+kn_status kn_brep_create(kn_ctx *ctx, kn_brep **out)
+{
+    kn_brep *b = kn_alloc_zero(ctx, 1, sizeof *b);
+    if (!b) return KN_ENOMEM;
+    b->free_body = b->free_chunk = b->face = NONE;
+    *out = b;
+    return KN_OK;
+}
+
+static void clear(kn_ctx *ctx, kn_brep *b)
+{
+    kn_free(ctx, b->edges.entries), kn_free(ctx, b->vertices.entries);
+    kn_free(ctx, b->bodies), kn_free(ctx, b->chunks);
+}
+
+void kn_brep_destroy(kn_ctx *ctx, kn_brep *b)
+{
+    if (!b) return;
+    clear(ctx, b);
+    kn_free(ctx, b);
+}
+
+void kn_brep_save(const kn_brep *b, kn_state *state)
+{
+    kn_state_put(state, b, sizeof *b);
+    kn_state_put_block(state, b->edges.entries, b->edges.room * sizeof(entry));
+    kn_state_put_block(state, b->vertices.entries, b->vertices.room * sizeof(entry));
+    kn_state_put_block(state, b->bodies, b->nbodies * sizeof(body));
+    kn_state_put_block(state, b->chunks, b->nchunks * sizeof(chunk));
+}
+
+static bool take(kn_ctx *ctx, kn_state_reader *r, void **out, size_t count, size_t size, bool *room)
+{
+    size_t bytes = 0;
+    const void *from = kn_state_take_block(r, &bytes);
+    *out = NULL;
+    if (!from || bytes != count * size) return false;
+    if (bytes == 0) return true;
+    *out = kn_alloc(ctx, count, size);
+    if (*out) memcpy(*out, from, bytes);
+    *room = *room && *out;
+    return true;
+}
+
+kn_status kn_brep_restore(kn_ctx *ctx, kn_brep *b, kn_state_reader *r)
+{
+    kn_brep c;
+    bool room = true, good = kn_state_take(r, &c, sizeof c);
+    void *part[4] = {NULL, NULL, NULL, NULL};
+    good = good && take(ctx, r, &part[0], c.edges.room, sizeof(entry), &room);
+    good = good && take(ctx, r, &part[1], c.vertices.room, sizeof(entry), &room);
+    good = good && take(ctx, r, &part[2], c.nbodies, sizeof(body), &room);
+    good = good && take(ctx, r, &part[3], c.nchunks, sizeof(chunk), &room);
+    if (!good || !room) {
+        for (int i = 0; i < 4; i++) kn_free(ctx, part[i]);
+        return room ? kn_state_fail(ctx, "STEP") : KN_ENOMEM;
+    }
+    clear(ctx, b);
+    c.edges.entries = part[0], c.vertices.entries = part[1], c.bodies = part[2], c.chunks = part[3];
+    c.body_room = c.nbodies, c.chunk_room = c.nchunks;
+    *b = c;
+    return KN_OK;
+}

@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: Apache-2.0
+// Inside io: which faces meet along which edges, found while the faces pass by.
+//
+// Composed patches that are neighbours have the control points of their edge in common bit for bit (docs/numerics.md,
+// "compose"), so that an edge is known by its control points, and no distance decides anything. Of what has passed only
+// the edges are kept that still wait for their other face, the vertices at their ends, and the numbers of the faces of
+// bodies that are not closed yet: memory follows the front of a job that goes from cell to cell.
+#ifndef IO_BREP_H
+#define IO_BREP_H
+
+#include <knurl/base.h>
+
+#include "io/state.h"
+
+// Stands for the numbers that were hashed: 128 bits.
+typedef struct kn_brep_key {
+    uint64_t a, b;
+} kn_brep_key;
+// Of `ncomp` arrays of n numbers each, stride apart: coefficient i of component c at x[c * comp + i * step]. *turned:
+// the numbers were taken from the last to the first, because that order is the lesser one; both orders give one key.
+// A zero's sign does not count.
+kn_brep_key kn_brep_hash(bool *turned, const double *x, int ncomp, size_t comp, size_t n, ptrdiff_t step);
+
+// An edge as one face uses it.
+typedef struct kn_brep_edge {
+    kn_brep_key key, vertex[2]; // vertices where it starts and ends, in the direction of its key
+    bool forward;               // the face's boundary runs along that direction (counterclockwise seen from outside)
+} kn_brep_edge;
+
+// What an edge is called: numbers, and whether they are new, so that their entities have to be written.
+typedef struct kn_brep_name {
+    uint64_t vertex[2], edge;
+    bool new_vertex[2], new_edge;
+} kn_brep_name;
+
+enum { KN_BREP_NONE = -1 };
+
+typedef struct kn_brep kn_brep;
+kn_status kn_brep_create(kn_ctx *ctx, kn_brep **out);
+void kn_brep_destroy(kn_ctx *ctx, kn_brep *b); // NULL is fine
+
+// One more face with n edges. names[i]: of edges[i]; a new vertex takes one number from *next on, a new edge two: its
+// curve's is the one before. Equal edges of one face (a seam) become one. The face's own number is told afterwards.
+// pairs: npairs of vertices that are one, because an edge between them is a point. Where both have numbers already, and
+// different ones, the face stands alone: its names are new, and its body is never closed.
+// fails: KN_ENOMEM, KN_ELIMIT; the file is lost then.
+kn_status kn_brep_add(kn_ctx *ctx, kn_brep *b, const kn_brep_edge *edges, int n, const kn_brep_key (*pairs)[2],
+                      int npairs, uint64_t *next, kn_brep_name *names);
+// The number and the look of the face added last. *closed: the body that it closed, none of whose edges waits for
+// another face and each of which two faces use in opposite directions; KN_BREP_NONE: none.
+kn_status kn_brep_end_face(kn_ctx *ctx, kn_brep *b, uint64_t number, int look, int *closed);
+
+// Bodies that wait at the end: *body = the next one after *body (KN_BREP_NONE: from the first on); false: no more.
+bool kn_brep_next_body(const kn_brep *b, int *body);
+// A body's faces in the order of their arrival, look by look as told.
+typedef struct kn_brep_walk {
+    uint32_t chunk, at;
+    uint64_t number;
+    int look;
+    uint64_t left; // faces
+} kn_brep_walk;
+kn_brep_walk kn_brep_faces(const kn_brep *b, int body);
+bool kn_brep_step(const kn_brep *b, kn_brep_walk *walk); // number and look of one more face; false: no more
+// The body's look, or KN_BREP_NONE where its faces have several.
+int kn_brep_look(const kn_brep *b, int body);
+// Forgets a closed body.
+void kn_brep_drop(kn_brep *b, int body);
+
+// For journals.
+void kn_brep_save(const kn_brep *b, kn_state *state);
+kn_status kn_brep_restore(kn_ctx *ctx, kn_brep *b, kn_state_reader *r);
+
+#endif
