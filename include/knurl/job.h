@@ -169,10 +169,9 @@ typedef struct kn_job_options {
     double normal_tol; // as kn_shell_options; 0: 1e-6
     kn_job_placement placement;
     kn_job_selection select;
-    const kn_job_vary *vary; // nvary of them, borrowed with all that they point to
-    int nvary;
+    const kn_job_vary *vary;   // nvary of them, borrowed with all that they point to
     const kn_job_color *color; // ncolor of them
-    int ncolor;
+    int nvary, ncolor;
     kn_job_random random;
     // Heights fall off to nothing over this distance from open ends of the base and borders of the mask, length units.
     double taper;
