@@ -4,6 +4,7 @@
 
 #include "io/out_file.h"
 #include "io/step_face.h"
+#include "io/step_runs.h"
 #include "io/step_write.h"
 #include "kernel/context.h"
 
@@ -12,18 +13,10 @@
 
 enum { FLUSH_BYTES = 1 << 20 };
 
-// Faces of a part: first + k stride + i period, k < count, i < times. Patches of a part mostly follow one another in a
-// cell, and one cell's are like the next one's, so that there are few of these.
-typedef struct run {
-    uint64_t first, count, period, times;
-} run;
-
 typedef struct part {
     char name[KN_NAME_BYTES];
     kn_material material;
-    run *runs;
-    size_t nruns, room;
-    uint64_t first, count; // of the run that grows; count 0: none
+    kn_step_runs faces;
 } part;
 
 typedef struct step {
@@ -170,51 +163,18 @@ static kn_status step_work(kn_ctx *worker, void *user, const kn_patch_block *blo
     return KN_OK;
 }
 
-// The run that grew is whole: it repeats the one before it, or is a new one.
-static kn_status end_run(kn_ctx *ctx, part *p)
-{
-    run *last = p->nruns > 0 ? &p->runs[p->nruns - 1] : NULL;
-    uint64_t first = p->first, count = p->count;
-    p->count = 0;
-    if (count == 0) return KN_OK;
-    if (last != NULL && last->count == count && last->times == 1) last->period = first - last->first;
-    if (last != NULL && last->count == count && last->first + last->times * last->period == first) {
-        last->times++;
-        return KN_OK;
-    }
-    if (p->nruns == p->room) {
-        size_t room = p->room > 0 ? 2 * p->room : 8;
-        run *larger = kn_resize(ctx, p->runs, room, sizeof *larger);
-        if (larger == NULL) return KN_ENOMEM;
-        p->runs = larger, p->room = room;
-    }
-    p->runs[p->nruns++] = (run){first, count, 0, 1};
-    return KN_OK;
-}
-
-static kn_status add_face(kn_ctx *ctx, part *p, uint64_t face, uint64_t stride)
-{
-    if (p->count > 0 && p->first + p->count * stride == face) {
-        p->count++;
-        return KN_OK;
-    }
-    kn_status status = end_run(ctx, p);
-    p->first = face, p->count = 1;
-    return status;
-}
-
 // The faces or the curve of a patch numbered from `first`.
 static kn_status add_patch(kn_ctx *ctx, step *s, const kn_patch *patch, uint64_t first)
 {
     const kn_bezier *b = &patch->bezier;
     int slot = b->nvars == 1 ? s->nparts + patch->look : patch->look;
     kn_status status = KN_OK;
-    if (b->nvars < 3) return add_face(ctx, &s->parts[slot], kn_step_face(b, first), s->stride);
+    if (b->nvars < 3) return kn_step_runs_add(ctx, &s->parts[slot].faces, kn_step_face(b, first), s->stride);
     for (int k = 0; k < 6 && status == KN_OK; k++) {
         if (patch->hidden >> k & 1) continue;
         kn_bezier face = {.nvars = 2, .degree = {b->degree[k / 2 == 0 ? 1 : 0], b->degree[k / 2 == 2 ? 1 : 2]}};
         uint64_t number = kn_step_face(&face, first + (uint64_t)k * s->stride);
-        status = add_face(ctx, &s->parts[slot], number, s->stride);
+        status = kn_step_runs_add(ctx, &s->parts[slot].faces, number, s->stride);
     }
     return status;
 }
@@ -253,13 +213,13 @@ static kn_status put_shell(kn_ctx *ctx, step *s, kn_text *text, const part *p, u
     kn_text_put(text, curves ? "GEOMETRIC_CURVE_SET(" : "OPEN_SHELL(");
     kn_text_step_string(text, p->name);
     kn_text_put(text, ",(");
-    for (size_t r = 0; r < p->nruns; r++)
-        for (uint64_t k = 0; k < p->runs[r].count * p->runs[r].times && status == KN_OK; k++) {
-            const run *of = &p->runs[r];
-            if (r > 0 || k > 0) kn_text_comma(text);
-            kn_text_reference(text, of->first + k % of->count * s->stride + k / of->count * of->period);
-            if (text->bytes > FLUSH_BYTES) status = flush(ctx, s, text);
-        }
+    kn_step_place place = {0};
+    uint64_t face;
+    for (bool any = false; status == KN_OK && kn_step_runs_next(&face, &place, &p->faces, s->stride); any = true) {
+        if (any) kn_text_comma(text);
+        kn_text_reference(text, face);
+        if (text->bytes > FLUSH_BYTES) status = flush(ctx, s, text);
+    }
     kn_text_put(text, "));\n");
     if (curves) return status;
     kn_step_put_number(text, first + 1);
@@ -282,7 +242,7 @@ static void put_representation(kn_text *text, const step *s, uint64_t representa
     kn_text_put(text, "('',(");
     if (placement) kn_text_reference(text, KN_STEP_PLACEMENT);
     for (int i = 0; i < (placement ? s->nslots : s->nparts); i++) { // curves have no colour of their own
-        if (s->parts[i].nruns == 0) continue;
+        if (s->parts[i].faces.bytes == 0) continue;
         if (written) kn_text_comma(text);
         kn_text_reference(text, KN_STEP_PARTS + KN_STEP_PART_NUMBERS * (uint64_t)i + offset);
         written = true;
@@ -301,8 +261,8 @@ static kn_status step_end(kn_ctx *ctx, void *user)
     bool any = false;
     for (int i = 0; i < s->nslots && status == KN_OK; i++) {
         uint64_t first = KN_STEP_PARTS + KN_STEP_PART_NUMBERS * (uint64_t)i;
-        status = end_run(ctx, &s->parts[i]);
-        if (status != KN_OK || s->parts[i].nruns == 0) continue;
+        status = kn_step_runs_end(ctx, &s->parts[i].faces, s->stride);
+        if (status != KN_OK || s->parts[i].faces.bytes == 0) continue;
         status = put_shell(ctx, s, &text, &s->parts[i], first);
         if (i >= s->nparts) continue;
         kn_step_put_style(&text, &s->parts[i].material, first);
@@ -323,7 +283,7 @@ static void step_close(kn_ctx *ctx, void *user)
 {
     step *s = user;
     kn_out_close(ctx, s->file);
-    for (int i = 0; i < s->nslots; i++) kn_free(ctx, s->parts[i].runs);
+    for (int i = 0; i < s->nslots; i++) kn_step_runs_clear(ctx, &s->parts[i].faces);
     kn_free(ctx, s->parts);
     kn_free(ctx, s->product);
     kn_free(ctx, s->time_stamp);
@@ -342,25 +302,25 @@ static kn_status step_save(kn_ctx *ctx, void *user, unsigned char **data, size_t
     kn_state state = {.ctx = ctx};
     kn_status status = kn_out_save(ctx, s->file, &state);
     for (int i = 0; i < s->nslots; i++) {
-        const part *p = &s->parts[i];
-        kn_state_put(&state, &p->first, sizeof p->first);
-        kn_state_put(&state, &p->count, sizeof p->count);
-        kn_state_put_block(&state, p->runs, p->nruns * sizeof *p->runs);
+        kn_step_runs faces = s->parts[i].faces;
+        faces.data = NULL, faces.room = 0; // not of the state
+        kn_state_put(&state, &faces, sizeof faces);
+        kn_state_put_block(&state, s->parts[i].faces.data, faces.bytes);
     }
     return kn_state_give(&state, data, bytes, status);
 }
 
 static kn_status restore_part(kn_ctx *ctx, part *p, kn_state_reader *r)
 {
+    kn_step_runs faces;
     size_t bytes = 0;
-    bool there = kn_state_take(r, &p->first, sizeof p->first) && kn_state_take(r, &p->count, sizeof p->count);
-    const void *runs = there ? kn_state_take_block(r, &bytes) : NULL;
-    if (runs == NULL || bytes % sizeof *p->runs != 0) return kn_state_fail(ctx, "STEP");
-    if (bytes == 0) return KN_OK;
-    p->runs = kn_alloc(ctx, bytes, 1);
-    if (p->runs == NULL) return KN_ENOMEM;
-    memcpy(p->runs, runs, bytes);
-    p->nruns = p->room = bytes / sizeof *p->runs;
+    const void *data = kn_state_take(r, &faces, sizeof faces) ? kn_state_take_block(r, &bytes) : NULL;
+    if (data == NULL || bytes != faces.bytes) return kn_state_fail(ctx, "STEP");
+    faces.data = kn_alloc(ctx, bytes + 1, 1);
+    if (faces.data == NULL) return KN_ENOMEM;
+    memcpy(faces.data, data, bytes);
+    faces.room = bytes;
+    p->faces = faces;
     return KN_OK;
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Which cells there are: each is looked at once, before the plan, and has a bit afterwards.
-#include "job/placement.h"
+#include "job/depth.h"
 #include "job/vary.h"
 #include "kernel/hash.h"
 #include "kernel/parallel.h"
@@ -15,6 +15,7 @@ typedef struct selecting {
     const kn_job_selection *o;
     kn_job_bounds bounds; // for slab and view
     kn_job_camera camera;
+    kn_job_depth depth;                 // what the base hides; of no level: nothing
     size_t (*dropped)[KN_DROP_REASONS]; // of each block
 } selecting;
 
@@ -41,6 +42,13 @@ static kn_status check_selection(kn_ctx *ctx, const kn_job *job)
     if (o->view && o->view->hidden && (job->has_fields || !kn_shell_normal(job->surfaces[0].shell)->coef))
         return kn_fail(ctx, KN_EDOMAIN, "job: what is hidden is known of S + w n alone, without fields or volumes");
     return KN_OK;
+}
+
+// Whether a covering tile, which takes the base's place, has holes where there is no cell.
+static bool leaves_holes(const kn_job_selection *o)
+{
+    return o->surfaces || o->mask.value || o->cone || o->skip[0] > 1 || o->skip[1] > 1 ||
+           (o->density > 0.0 && o->density < 1.0) || o->first > 0 || o->count > 0 || o->slab;
 }
 
 // ---- one cell ----
@@ -96,6 +104,19 @@ static uint8_t detail_of(const selecting *s, const double lo[3], const double hi
     return (uint8_t)halvings;
 }
 
+// Behind the base anywhere, or by what is around the cell. What lies below the base is looked at through it.
+static kn_status look_behind(kn_ctx *ctx, bool *hidden, const selecting *s, const kn_job_extents *extents,
+                             int surface, const int cell[2], const double lo[3], const double hi[3])
+{
+    double top = -INFINITY;
+    *hidden = false;
+    if (s->depth.nlevels == 0) return KN_OK;
+    for (int k = 0; k < extents->count; k++) top = fmax(top, extents->list[k].w[1]);
+    if (s->job->tile.covering || top > 0.0) *hidden = kn_job_depth_hides(&s->depth, lo, hi);
+    if (*hidden) return KN_OK;
+    return kn_job_is_hidden(ctx, hidden, &s->bounds, &s->camera, surface, cell, extents, lo, hi);
+}
+
 static kn_status look_at_box(kn_ctx *ctx, kn_job_drop *why, const selecting *s, kn_job_extents *extents, int surface,
                              const int cell[2], size_t index)
 {
@@ -121,7 +142,7 @@ static kn_status look_at_box(kn_ctx *ctx, kn_job_drop *why, const selecting *s, 
     else if (kn_job_pixels(&s->camera, lo, hi) < o->view->least_pixels)
         *why = KN_DROP_SMALL;
     else if (o->view->hidden)
-        status = kn_job_is_hidden(ctx, &hidden, &s->bounds, &s->camera, surface, cell, extents, lo, hi);
+        status = look_behind(ctx, &hidden, s, extents, surface, cell, lo, hi);
     if (hidden) *why = KN_DROP_HIDDEN;
     return status;
 }
@@ -174,8 +195,7 @@ static kn_status judge_block(kn_ctx *ctx, void *user, size_t block)
 
 static bool selects(const kn_job_selection *o)
 {
-    return o->surfaces || o->mask.value || o->cone || o->skip[0] > 1 || o->skip[1] > 1 ||
-           (o->density > 0.0 && o->density < 1.0) || o->first > 0 || o->count > 0 || o->slab || o->view;
+    return leaves_holes(o) || o->view;
 }
 
 kn_status kn_job_select_init(kn_ctx *ctx, kn_job *job)
@@ -190,9 +210,12 @@ kn_status kn_job_select_init(kn_ctx *ctx, kn_job *job)
     if (!job->there || !s.dropped || (s.o->view && !job->detail)) status = KN_ENOMEM;
     if (status == KN_OK && s.o->view) status = kn_job_camera_init(ctx, &s.camera, s.o->view);
     if (status == KN_OK && (s.o->slab || s.o->view)) status = kn_job_bounds_init(ctx, &s.bounds, job);
+    bool hides = s.o->view && s.o->view->hidden && !(job->tile.covering && leaves_holes(s.o));
+    if (status == KN_OK && hides) status = kn_job_occlude(ctx, &s.depth, &s.bounds, &s.camera);
     if (status == KN_OK) status = kn_parallel(ctx, blocks, judge_block, &s, "select");
     for (size_t b = 0; status == KN_OK && b < blocks; b++)
         for (int k = 0; k < KN_DROP_REASONS; k++) job->report.dropped[k] += s.dropped[b][k];
+    kn_job_depth_clear(ctx, &s.depth);
     kn_job_bounds_clear(ctx, &s.bounds);
     kn_free(ctx, s.dropped);
     return status;

@@ -5,7 +5,8 @@
 // camera, in direction d, w falls at the rate |n . d| >= c as long as the way stays over cells whose normals have
 // n . d <= -c < 0. From the greatest height to the least it is then not longer than L = (w1 - w0) / c. If the way
 // cannot leave the cells around before that, because boxes of the cells of the ring at distance two do not meet the
-// box of all such ways, it runs down through the base, or through the covering tiles that take its place.
+// box of all such ways, it runs down through the base. (Not so through covering tiles, which take its place: from one
+// of them down nothing need be in the way.)
 #include "job/placement.h"
 
 #include <math.h>
@@ -177,9 +178,8 @@ kn_status kn_job_is_hidden(kn_ctx *ctx, bool *hidden, const kn_job_bounds *bound
         for (int v = 0; v < 2; v++)
             if (e->lo[v] < -1.0 || e->hi[v] > 2.0) return KN_OK;
     }
-    bool covering = bounds->job->tile.covering;
-    if (!covering && w[0] < 0.0) return KN_OK; // below the base, which is not looked through
-    if (!covering) w[0] = 0.0;
+    if (bounds->job->tile.covering || w[0] < 0.0) return KN_OK; // below the base, which is not looked through
+    w[0] = 0.0;
     int at[2];
     for (int k = 0; k < 25; k++) {
         if (!neighbour(at, s, cell, k / 5 - 2, k % 5 - 2)) return KN_OK;

@@ -80,6 +80,11 @@ static bool apart(const double *p, const double *q, const double *a, const doubl
     return false;
 }
 
+static bool runs_down(const double *a, const double *b)
+{
+    return a[0] > b[0] || (a[0] == b[0] && a[1] > b[1]);
+}
+
 static void point_between(double out[2], const double *a, const double *b, double s)
 {
     for (int c = 0; c < 2; c++) out[c] = s <= 0.5 ? a[c] + s * (b[c] - a[c]) : b[c] - (1.0 - s) * (b[c] - a[c]);
@@ -140,6 +145,10 @@ static kn_status cross_segment(kn_ctx *ctx, clipping *c, size_t i)
     for (int l = 0, first = 0; l < o->nloops; first = o->loop_end[l++])
         for (int k = first; status == KN_OK && k < o->loop_end[l]; k++) {
             const double *a = o->at[k], *b = o->at[k + 1 < o->loop_end[l] ? k + 1 : first];
+            if (runs_down(a, b)) { // the other side of the trim has it backwards
+                const double *swap = a;
+                a = b, b = swap;
+            }
             bool side = false;
             for (int v = 0; v < 2; v++) side = side || (a[v] == b[v] && (a[v] == 0.0 || a[v] == 1.0));
             if (side || apart(p, q, a, b)) continue;

@@ -72,9 +72,8 @@ typedef struct kn_job_view {
     // What a coarser tessellation may be off, on the screen; 0: 0.5. Cells side by side may then have different
     // segments, and gaps of that size between them.
     double chord_pixels;
-    // Cells go that the base hides from the camera itself, because they face away far enough: the way from every
-    // point of the tiles to the camera leads down through the base, or through the covering tiles, in the cells
-    // around. What stands in front of a cell elsewhere is not looked for. Not with fields, nor over volumes.
+    // Cells go that are certainly behind the base, which is opaque, or behind covering tiles in its place (unless another
+    // selection leaves holes in these); tiles below the base stay. Not with fields, nor over volumes.
     bool hidden;
 } kn_job_view;
 
@@ -170,10 +169,9 @@ typedef struct kn_job_options {
     double normal_tol; // as kn_shell_options; 0: 1e-6
     kn_job_placement placement;
     kn_job_selection select;
-    const kn_job_vary *vary; // nvary of them, borrowed with all that they point to
-    int nvary;
+    const kn_job_vary *vary;   // nvary of them, borrowed with all that they point to
     const kn_job_color *color; // ncolor of them
-    int ncolor;
+    int nvary, ncolor;
     kn_job_random random;
     // Heights fall off to nothing over this distance from open ends of the base and borders of the mask, length units.
     double taper;

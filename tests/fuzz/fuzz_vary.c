@@ -90,14 +90,19 @@ static void jobs(feed *f, const kn_tile *tile)
     for (int i = 0; i < 27; i++) coef[i] = (i < 9 ? i / 3 : i < 18 ? i % 3 : 0) + feed_number(f) / 64.0;
     const kn_job_vary vary[2] = {{feed_byte(f) % 4 ? "morph" : "offset", {by_place, NULL, 7}},
                                  {"height", {by_place, NULL, (unsigned)feed_byte(f) % 8}}};
+    const double palette[2][3] = {{0, feed_byte(f) / 200.0, 1}, {1, 0, 0}};
+    const kn_job_color color = {
+        feed_byte(f) % 4 ? NULL : "fuzz", {by_place, NULL, 7}, palette, 2, feed_wild(f, 0, 9)};
     kn_job_options o = {.count = {1, 2}, .height = 0.1, .normal_tol = 0.1, .vary = vary, .nvary = feed_byte(f) % 3};
     o.taper = feed_byte(f) % 2 ? 0.0 : feed_number(f);
+    o.color = &color, o.ncolor = feed_byte(f) % 2;
     kn_job *job = NULL;
     if (kn_spline_init(f->ctx, &base, 2, 3, false, degree, count, both, coef) == KN_OK &&
         kn_job_create(f->ctx, &job, &base, 1, tile, &o) == KN_OK) {
         const kn_patch_id id = {.cell = {0, feed_byte(f) % 2}, .patch = feed_byte(f) % 2};
         kn_bezier d = {0};
         kn_sink sink = {0};
+        if (kn_job_look_tile(job)->nparts < 1) abort();
         if (kn_null_sink(f->ctx, &sink) == KN_OK) feed_any(kn_job_run(f->ctx, job, &sink, 1));
         kn_sink_close(f->ctx, &sink);
         feed_any(kn_job_parameter_sensitivity(f->ctx, &d, job, &id, feed_byte(f) % 2));

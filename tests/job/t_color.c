@@ -39,7 +39,7 @@ static void make_pair(kn_ctx *ctx, kn_tile *out)
 typedef struct setting {
     test_memory memory;
     kn_ctx *ctx;
-    kn_spline base[SURFACES];
+    kn_spline base[SURFACES], up;
     kn_tile tile;
     kn_job_color color[3];
     kn_job_options o;
@@ -52,6 +52,10 @@ static void begin(setting *s, int threads)
     s->ctx = test_ctx(&s->memory, threads);
     scene_spline(s->ctx, &s->base[0]);
     scene_bicubic(s->ctx, &s->base[1], 0.3);
+    static const double line[4] = {0, 0, 1, 1}, z[12] = {0, 0, 0, 0, 0, 0, 0, 0, 1, 1, 1, 1};
+    const double *const both[2] = {line, line};
+    assert_int_equal(kn_spline_init(s->ctx, &s->up, 2, 3, false, (const int[]){1, 1}, (const int[]){2, 2}, both, z),
+                     KN_OK);
     make_pair(s->ctx, &s->tile);
     s->o.color = s->color;
 }
@@ -59,6 +63,7 @@ static void begin(setting *s, int threads)
 static void end(setting *s)
 {
     kn_tile_clear(s->ctx, &s->tile);
+    kn_spline_clear(s->ctx, &s->up);
     for (int i = 0; i < SURFACES; i++) kn_spline_clear(s->ctx, &s->base[i]);
     test_ctx_end(s->ctx, &s->memory);
 }
@@ -351,14 +356,15 @@ static kn_status create_and_run(kn_ctx *ctx, void *user)
     const setting *s = user;
     kn_job *job = NULL;
     kn_job_options o = s->o;
-    o.count[0] = o.count[1] = 1;
+    o.direction = &s->up; // in the normal's place: there is nothing to fit
+    o.count[0] = 1, o.count[1] = 2;
     kn_sink sink = {0};
     kn_status status = kn_job_create(ctx, &job, &s->base[1], 1, &s->tile, &o);
     if (status == KN_OK) {
         scene_result r = {0};
         sink = scene_sink(&r);
         status = kn_job_run(ctx, job, &sink, 1);
-        assert_true(status != KN_OK || r.count == 2);
+        assert_true(status != KN_OK || r.count == 4);
         kn_sink_close(ctx, &sink);
         scene_result_clear(&r);
     } else
