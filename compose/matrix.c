@@ -3,6 +3,7 @@
 #include "compose/basis.h"
 
 #include <knurl/compose.h>
+#include <string.h>
 
 enum { VARS = 3 };
 
@@ -12,18 +13,21 @@ typedef struct target {
     kn_compose_matrix *matrix;
     ptrdiff_t first, step[VARS];
     int rows_degree[VARS];
+    bool whole; // all rows, as they are
 } target;
 
 static void write_column(const target *to, const kn_bezier *b, size_t column)
 {
     const int *last = to->rows_degree; // 0 in variables that b has not
-    size_t q = 0;
+    const double *from = b->coef;
+    double *m = to->matrix->m + column * to->matrix->rows + to->first;
+    if (to->whole) {
+        memcpy(m, from, to->matrix->rows * sizeof *m);
+        return;
+    }
     for (int i = 0; i <= last[0]; i++)
         for (int j = 0; j <= last[1]; j++)
-            for (int k = 0; k <= last[2]; k++) {
-                ptrdiff_t row = to->first + i * to->step[0] + j * to->step[1] + k * to->step[2];
-                to->matrix->m[(size_t)row * to->matrix->cols + column] = b->coef[q++];
-            }
+            for (int k = 0; k <= last[2]; k++) m[i * to->step[0] + j * to->step[1] + k * to->step[2]] = *from++;
 }
 
 typedef struct factors {
@@ -210,7 +214,7 @@ kn_status kn_compose_matrix_init(kn_ctx *ctx, kn_compose_matrix *out, const kn_b
     kn_status status = check(ctx, tile, degree, power, rows_degree);
     if (status != KN_OK) return status;
     kn_compose_matrix m = {.rows = 1, .cols = (size_t)(degree[0] + 1) * (size_t)(degree[1] + 1)};
-    target whole = {.matrix = &m};
+    target whole = {.matrix = &m, .whole = true};
     for (int d = tile->nvars - 1; d >= 0; d--) {
         m.rows_degree[d] = whole.rows_degree[d] = rows_degree[d];
         whole.step[d] = (ptrdiff_t)m.rows;

@@ -2,7 +2,16 @@
 // The sequence of blocks, from the plan.
 #include "job/internal.h"
 
-enum { BLOCK_NUMBERS = 1 << 18 }; // coefficients of a block's patches, about: 2 MiB, which a second cache holds
+// Coefficients of a block's patches, about: half a MiB, which a second cache holds with all that is read. But every
+// block reads its matrices once: where they are large, up to 2 MiB, lest more is read than written.
+enum { LEAST_NUMBERS = 1 << 16, MOST_NUMBERS = 1 << 18 };
+
+static size_t target(const kn_job *job, const kn_job_alike *alike)
+{
+    if (alike->list == KN_JOB_OWN) return LEAST_NUMBERS;
+    size_t weights = job->lists.list[alike->list].weights;
+    return weights >= MOST_NUMBERS / 4 ? MOST_NUMBERS : 4 * weights > LEAST_NUMBERS ? 4 * weights : LEAST_NUMBERS;
+}
 
 // Takes cells of one entry into the block: as many as fill it, or all of those with plans of their own.
 static void take(kn_job_block *b, kn_job_cursor *at, const kn_job *job, size_t ncomp)
@@ -18,7 +27,7 @@ static void take(kn_job_block *b, kn_job_cursor *at, const kn_job *job, size_t n
         const kn_job_list *list = &job->lists.list[alike->list];
         size_t each = ncomp * list->numbers;
         if (each > 0) {
-            n = (BLOCK_NUMBERS - b->numbers + each - 1) / each;
+            n = (target(job, alike) - b->numbers + each - 1) / each;
             n = n > rest ? rest : n;
         }
         b->npatches += n * list->count;
@@ -47,7 +56,7 @@ bool kn_job_next_block(kn_job_block *out, kn_job_cursor *at, const kn_job *job)
     kn_job_block b = {.first_cell = at->cell, .first_patch = at->patch};
     int surface = 0, cell[2];
     size_t end = 0, ncomp = 3;
-    while (!ended(at, job) && b.numbers < BLOCK_NUMBERS) {
+    while (!ended(at, job) && b.numbers < target(job, &job->alike[at->alike])) {
         if (at->cell >= end) {
             if (b.npatches > 0) break; // the next surface begins here
             b = (kn_job_block){.first_cell = at->cell, .first_patch = at->patch};

@@ -11,6 +11,8 @@ typedef struct composer {
     const kn_job *job;
     const kn_job_matrix *matrices;
     int surface, ncomp;
+    kn_job_bands bands;
+    int left;             // cells from the current one on that share its list and its row
     kn_job_pieces pieces; // of the current cell
     const double **rows;  // of these pieces, as many as have been asked for
     int nrows, rows_room;
@@ -22,6 +24,8 @@ typedef struct composer {
     int *steps; // of the current cell's colours: kn_job_find_steps
 } composer;
 
+enum { MOST_KEPT = 1 << 20 }; // numbers, and patches / 16, of a product that is kept for another block
+
 void kn_job_product_clear(kn_ctx *ctx, kn_job_product *p)
 {
     for (size_t i = 0; i < p->nplans; i++) kn_job_cell_plan_clear(ctx, &p->plans[i]);
@@ -29,6 +33,35 @@ void kn_job_product_clear(kn_ctx *ctx, kn_job_product *p)
     kn_free(ctx, p->patches);
     kn_free(ctx, p->coef);
     *p = (kn_job_product){0};
+}
+
+void kn_job_product_empty(kn_ctx *ctx, kn_job_product *p)
+{
+    if (p->coef_room > MOST_KEPT || p->patches_room > MOST_KEPT / 16) {
+        kn_job_product_clear(ctx, p);
+        return;
+    }
+    for (size_t i = 0; i < p->nplans; i++) kn_job_cell_plan_clear(ctx, &p->plans[i]);
+    p->nplans = 0;
+    p->block = (kn_patch_block){0};
+}
+
+// An empty product with room for the block's patches, which are zero, and their control points, which are not.
+static kn_status make_room(kn_ctx *ctx, kn_job_product *p, const kn_job_block *b)
+{
+    if (b->npatches > p->patches_room) {
+        kn_free(ctx, p->patches);
+        p->patches = kn_alloc(ctx, b->npatches, sizeof *p->patches);
+        p->patches_room = p->patches ? b->npatches : 0;
+    }
+    if (b->numbers > p->coef_room) {
+        kn_free(ctx, p->coef);
+        p->coef = kn_alloc(ctx, b->numbers, sizeof *p->coef);
+        p->coef_room = p->coef ? b->numbers : 0;
+    }
+    if ((!p->patches && b->npatches > 0) || (!p->coef && b->numbers > 0)) return KN_ENOMEM;
+    if (b->npatches > 0) memset(p->patches, 0, b->npatches * sizeof *p->patches);
+    return KN_OK;
 }
 
 // The control points of a piece, a row of [term 0 | term 1 ..] for each component; in scratch memory.
@@ -121,6 +154,21 @@ static int compare_order(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
+// The patch just begun, which lies in a whole cell whose piece comes from a band; *found: it does.
+static kn_status use_band(kn_ctx *ctx, composer *c, bool *found, uint32_t key, const int cell[2])
+{
+    const kn_job_key *k = &c->job->keys.list[key];
+    const double *rows;
+    kn_job_place place = kn_job_find_place(c->job, c->surface, cell, c->job->patches[k->patch].offset);
+    kn_status status = kn_job_bands_get(ctx, &rows, &c->bands, &place, k, c->left);
+    if (status != KN_OK) return status;
+    *found = rows != NULL;
+    if (!rows) return KN_OK;
+    c->operand[c->at - 1] = rows;
+    c->order[c->norder++] = (uint64_t)key << 32 | (c->at - 1);
+    return KN_OK;
+}
+
 // Patches of one key, one matrix product: a row for each component of each patch.
 static kn_status multiply(kn_ctx *ctx, const composer *c, const uint64_t *order, size_t n)
 {
@@ -183,8 +231,11 @@ static kn_status compose_ref(kn_ctx *ctx, composer *c, kn_job_ref ref, const int
     if (from->d.nvars == 3 &&
         kn_job_hide_faces(ctx, &to->hidden, c->job, from, &key->rect, c->surface, cell) != KN_OK)
         return kn_ctx_error(ctx);
-    kn_status status = leaf_piece(ctx, c, &index, key, cell);
-    if (status != KN_OK) return status;
+    bool found = false;
+    kn_status status = KN_OK;
+    if (key->whole && c->matrices[ref.key].packed) status = use_band(ctx, c, &found, ref.key, cell);
+    if (status == KN_OK && !found) status = leaf_piece(ctx, c, &index, key, cell);
+    if (status != KN_OK || found) return status;
     const kn_job_piece *p = &c->pieces.list[index];
     if (!p->fits) return kn_fail(ctx, KN_EUNDECIDED, "job: a piece of the plan no longer fits");
     if (c->matrices[ref.key].packed) return use_matrix(ctx, c, ref.key, index, &p->piece);
@@ -302,6 +353,9 @@ static kn_status compose_cells(kn_ctx *ctx, composer *c, const kn_job_block *b)
         int cell[2];
         if (list && list->count == 0) continue;
         kn_job_locate(job, i, &c->surface, cell);
+        size_t row = (size_t)(job->surfaces[c->surface].cells[1] - cell[1]), end = job->alike[at + 1].first_cell;
+        if (end > b->first_cell + b->ncells) end = b->first_cell + b->ncells;
+        c->left = end - i < row ? (int)(end - i) : (int)row;
         status = list ? compose_shared(ctx, c, cell, list) : compose_own(ctx, c, i);
     }
     if (status == KN_OK && (c->at != c->npatches || c->used != c->numbers))
@@ -312,26 +366,23 @@ static kn_status compose_cells(kn_ctx *ctx, composer *c, const kn_job_block *b)
 kn_status kn_job_compose_block(kn_ctx *ctx, kn_job_product *out, const kn_job *job, const kn_job_matrix *matrices,
                                const kn_job_block *b)
 {
-    kn_job_product p = {.patches = kn_alloc_zero(ctx, b->npatches, sizeof *p.patches)};
-    composer c = {.job = job, .matrices = matrices, .product = &p, .npatches = b->npatches, .numbers = b->numbers};
+    composer c = {.job = job, .matrices = matrices, .product = out, .npatches = b->npatches, .numbers = b->numbers};
     int cell[2];
     kn_job_locate(job, b->first_cell, &c.surface, cell);
-    c.pieces.job = job;
+    c.pieces.job = c.bands.job = job;
     c.ncomp = (int)kn_job_components(&job->surfaces[c.surface]);
-    p.coef = kn_alloc(ctx, b->numbers, sizeof *p.coef); // every number is written below
     kn_mark mark = kn_scratch_mark(ctx);
     c.order = kn_scratch(ctx, b->npatches, sizeof *c.order);
     c.operand = kn_scratch(ctx, b->npatches, sizeof *c.operand);
     c.steps = kn_scratch(ctx, job->looks ? (size_t)job->looks->nrules : 0, sizeof *c.steps);
-    kn_status status = p.patches && p.coef && c.order && c.operand && c.steps ? KN_OK : KN_ENOMEM;
+    kn_status status = c.order && c.operand && c.steps ? make_room(ctx, out, b) : KN_ENOMEM;
     if (status == KN_OK) status = compose_cells(ctx, &c, b);
     if (status == KN_OK) status = multiply_all(ctx, &c);
     kn_job_pieces_end(ctx, &c.pieces);
     kn_scratch_release(ctx, mark);
-    p.block = (kn_patch_block){b->first_patch, b->npatches, p.patches};
     if (status == KN_OK)
-        *out = p;
+        out->block = (kn_patch_block){b->first_patch, b->npatches, out->patches};
     else
-        kn_job_product_clear(ctx, &p);
+        kn_job_product_empty(ctx, out);
     return status;
 }

@@ -15,6 +15,14 @@ size_t kn_job_numbers(const int degree[KN_JOB_VARS])
     return n;
 }
 
+size_t kn_job_columns(const kn_job_key *key)
+{
+    size_t n = 0;
+    for (int t = 0; t < key->nterms; t++)
+        n += (size_t)(key->degree[t][0] + 1) * (size_t)(key->degree[t][1] + 1);
+    return n;
+}
+
 void kn_job_segments(const kn_job *job, const kn_job_key *key, int segments[KN_JOB_VARS])
 {
     for (int d = 0; d < KN_JOB_VARS; d++) {

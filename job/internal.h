@@ -102,6 +102,7 @@ typedef struct kn_job_list {
     size_t first;
     uint32_t count;
     size_t numbers; // coefficients of all its patches, of one component
+    size_t weights; // of all matrices that compose them
     size_t uses;    // cells
 } kn_job_list;
 // A set of lists: refs[first .. first + count - 1] each.
@@ -401,7 +402,7 @@ bool kn_job_keys_find(uint32_t *index, const kn_job_keys *keys, const kn_job_key
 kn_status kn_job_lists_add(kn_ctx *ctx, uint32_t *index, kn_job_lists *lists, const kn_job_ref *refs, size_t n);
 
 // ---- blocks.c ----
-// Cells of one surface that are composed together: as many as make 2 MiB of coefficients, or one.
+// Cells of one surface that are composed together: as many as make half a MiB to 2 MiB of coefficients, or one.
 typedef struct kn_job_block {
     size_t first_cell, ncells, first_patch, npatches, numbers;
 } kn_job_block;
@@ -493,6 +494,7 @@ void kn_job_locate(const kn_job *job, size_t index, int *surface, int cell[2]);
 // The degree of the output patch of a key; coefficients of one component; what tessellations cut it into.
 void kn_job_degree(const kn_job_patch *patch, const kn_job_key *key, int degree[KN_JOB_VARS]);
 size_t kn_job_numbers(const int degree[KN_JOB_VARS]);
+size_t kn_job_columns(const kn_job_key *key); // of its matrix: coefficients of one component of its piece
 void kn_job_segments(const kn_job *job, const kn_job_key *key, int segments[KN_JOB_VARS]);
 // Fewer of them, as far away as a cell is from the camera.
 void kn_job_coarsen(const kn_job *job, size_t cell, int segments[KN_JOB_VARS]);

@@ -4,8 +4,6 @@
 #include "kernel/gemm.h"
 #include "kernel/parallel.h"
 
-#include <string.h>
-
 enum {
     LEAST_USES = 4,         // of a key that is no whole cell's, below which its matrix costs more than it saves
     MOST_NUMBERS = 1 << 24, // in all matrices: 128 MiB
@@ -24,39 +22,30 @@ static size_t wanted(const matrices *m, size_t index)
     if (job->options.symbolic || (!key->whole && job->keys.uses[index] < LEAST_USES)) return 0;
     if (job->keys.uses[index] < m->least) return 0;
     int rows[KN_JOB_VARS];
-    size_t columns = 0;
     kn_job_degree(&job->patches[key->patch], key, rows);
-    for (int t = 0; t < key->nterms; t++)
-        columns += (size_t)(key->degree[t][0] + 1) * (size_t)(key->degree[t][1] + 1);
-    return columns * kn_job_numbers(rows);
+    return kn_job_columns(key) * kn_job_numbers(rows);
 }
 
 kn_status kn_job_make_matrix(kn_ctx *ctx, kn_job_matrix *out, const kn_bezier *d, const kn_job_key *key,
                              const int rows[KN_JOB_VARS])
 {
-    kn_compose_matrix m[KN_SHELL_TERMS] = {{.m = NULL}};
-    kn_job_matrix made = {0};
-    double *all = NULL;
-    kn_status status = KN_OK;
+    kn_job_matrix made = {.k = kn_job_columns(key), .n = 1};
+    for (int v = 0; v < KN_JOB_VARS; v++) made.n *= (size_t)rows[v] + 1;
+    made.packed = kn_alloc(ctx, kn_gemm_room(made.k, made.n), sizeof *made.packed);
+    kn_status status = made.packed ? KN_OK : KN_ENOMEM;
+    size_t first = 0;
     for (int t = 0; status == KN_OK && t < key->nterms; t++) {
         const int degree[2] = {key->degree[t][0], key->degree[t][1]};
-        status = kn_compose_matrix_init(ctx, &m[t], d, degree, key->power[t], rows);
-        made.k += m[t].cols;
-        made.n = m[t].rows;
+        kn_compose_matrix m = {0};
+        status = kn_compose_matrix_init(ctx, &m, d, degree, key->power[t], rows);
+        if (status == KN_OK) kn_gemm_pack_some(made.packed, m.m, made.k, first, m.cols, made.n, m.rows, 1);
+        first += m.cols;
+        kn_compose_matrix_clear(ctx, &m);
     }
-    if (status == KN_OK) all = kn_alloc(ctx, made.k * made.n, sizeof *all);
-    if (all) made.packed = kn_alloc(ctx, kn_gemm_room(made.k, made.n), sizeof *made.packed);
-    if (status == KN_OK && !made.packed) status = KN_ENOMEM;
-    if (status == KN_OK) {
-        double *to = all;
-        for (size_t q = 0; q < made.n; q++)
-            for (int t = 0; t < key->nterms; to += m[t++].cols)
-                memcpy(to, m[t].m + q * m[t].cols, m[t].cols * sizeof *all);
-        kn_gemm_pack(made.packed, all, made.k, made.n, 1, made.k);
+    if (status == KN_OK)
         *out = made;
-    }
-    kn_free(ctx, all);
-    for (int t = 0; t < key->nterms; t++) kn_compose_matrix_clear(ctx, &m[t]);
+    else
+        kn_free(ctx, made.packed);
     return status;
 }
 

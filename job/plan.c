@@ -106,7 +106,7 @@ static kn_status share_list(kn_ctx *ctx, planning *p, uint32_t *list, const entr
 {
     const kn_job_cell_plan *plan = &e->plan;
     kn_job *job = p->job;
-    size_t n = (size_t)plan->count, numbers = 0;
+    size_t n = (size_t)plan->count, numbers = 0, weights = 0;
     if (n > p->refs_room) {
         kn_job_ref *refs = kn_resize(ctx, p->refs, 2 * n, sizeof *refs);
         if (!refs) return KN_ENOMEM;
@@ -121,10 +121,12 @@ static kn_status share_list(kn_ctx *ctx, planning *p, uint32_t *list, const entr
         status = kn_job_keys_add(ctx, &p->refs[i].key, &job->keys, &leaf->key);
         kn_job_leaf_degree(plan, leaf, degree);
         numbers += kn_job_numbers(degree);
+        weights += kn_job_numbers(degree) * kn_job_columns(&leaf->key);
     }
     if (status == KN_OK) status = kn_job_lists_add(ctx, list, &job->lists, p->refs, n);
     if (status == KN_OK) {
         job->lists.list[*list].numbers = numbers;
+        job->lists.list[*list].weights = weights;
         job->lists.list[*list].uses += e->cells;
     }
     return status;

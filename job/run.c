@@ -7,7 +7,7 @@
 #include <math.h>
 #include <time.h>
 
-enum { STRIDE = 64 }; // blocks from one noted place to the next
+enum { STRIDE = 16 }; // blocks from one noted place to the next
 
 // A place in the sequence of blocks of all ranges.
 typedef struct place {
@@ -28,10 +28,14 @@ typedef struct runner {
     size_t done;               // blocks before this run
     uint64_t identity;
     double noted_at; // seconds
+    size_t ahead;    // blocks in flight, the most
+    // What block i is composed into is kept[i % ahead]: block i - ahead is committed, and was there before it.
+    kn_job_product *kept;
 } runner;
 
 typedef struct product {
     kn_job_product made;
+    kn_job_product *home; // in runner.kept, where its memory goes
     void **of_sink;
     int nworked; // sinks whose product is in of_sink
 } product;
@@ -141,7 +145,8 @@ static void product_free(kn_ctx *ctx, const runner *r, product *p, int first_sin
 {
     for (int k = first_sink; p->of_sink && k < p->nworked; k++)
         if (r->sinks[k].discard && p->of_sink[k]) r->sinks[k].discard(ctx, r->sinks[k].user, p->of_sink[k]);
-    kn_job_product_clear(ctx, &p->made);
+    kn_job_product_empty(ctx, &p->made);
+    *p->home = p->made;
     kn_free(ctx, p->of_sink);
     kn_free(ctx, p);
 }
@@ -153,6 +158,9 @@ static kn_status work(kn_ctx *worker, void *user, size_t index, void **out)
     find_block(&block, r, r->done + index);
     product *p = kn_alloc_zero(worker, 1, sizeof *p);
     if (!p) return KN_ENOMEM;
+    p->home = &r->kept[index % r->ahead];
+    p->made = *p->home;
+    *p->home = (kn_job_product){0};
     p->of_sink = kn_alloc_zero(worker, (size_t)r->nsinks, sizeof *p->of_sink);
     kn_status status = p->of_sink ? kn_job_compose_block(worker, &p->made, r->job, r->matrices, &block) : KN_ENOMEM;
     for (; status == KN_OK && p->nworked < r->nsinks; p->nworked++) {
@@ -204,10 +212,13 @@ static kn_status run(kn_ctx *ctx, runner *r)
     if (status == KN_OK) status = note_blocks(ctx, r);
     if (status == KN_OK) status = kn_job_make_matrices(ctx, &r->matrices, job);
     if (status == KN_OK) status = begin_sinks(ctx, r);
-    size_t ahead = 2 * (size_t)kn_ctx_threads(ctx) + 1;
-    if (status == KN_OK) status = kn_pipeline_run(ctx, &pipeline, r->nblocks - r->done, ahead, "compose");
+    r->ahead = 2 * (size_t)kn_ctx_threads(ctx) + 1;
+    if (status == KN_OK && !(r->kept = kn_alloc_zero(ctx, r->ahead, sizeof *r->kept))) status = KN_ENOMEM;
+    if (status == KN_OK) status = kn_pipeline_run(ctx, &pipeline, r->nblocks - r->done, r->ahead, "compose");
     for (int k = 0; status == KN_OK && k < r->nsinks; k++)
         if (r->sinks[k].end) status = r->sinks[k].end(ctx, r->sinks[k].user);
+    for (size_t i = 0; r->kept && i < r->ahead; i++) kn_job_product_clear(ctx, &r->kept[i]);
+    kn_free(ctx, r->kept);
     kn_job_free_matrices(ctx, job, r->matrices);
     kn_free(ctx, r->noted);
     return status;

@@ -19,18 +19,41 @@ kn_status kn_job_make_matrix(kn_ctx *ctx, kn_job_matrix *out, const kn_bezier *d
                              const int rows[KN_JOB_VARS]);
 void kn_job_free_matrices(kn_ctx *ctx, const kn_job *job, kn_job_matrix *list);
 
+// ---- bands.c ----
+// The pieces of whole cells, made for many that follow one another: rows as kn_gemm wants them, in scratch memory.
+typedef struct kn_job_band {
+    int surface, cell[2], count; // cells (cell[0], cell[1] ..)
+    const kn_job_key *like;      // whose terms they have
+    const double *rows;          // NULL: they are to be had in another way
+    size_t each;                 // numbers of one cell
+} kn_job_band;
+enum { KN_JOB_BANDS = 16 };
+typedef struct kn_job_bands {
+    const kn_job *job;
+    kn_job_band band[KN_JOB_BANDS]; // the last ones made
+    int count, next;
+} kn_job_bands;
+// *rows = the components of the piece over the whole cell at `place` with the terms of the key, one after the other;
+// NULL: kn_job_pieces_get has it. cells: so many, from this one on, will likely be asked for.
+kn_status kn_job_bands_get(kn_ctx *ctx, const double **rows, kn_job_bands *bands, const kn_job_place *place,
+                           const kn_job_key *key, int cells);
+
 // ---- compose_block.c ----
 // The patches of a block with all that they borrow.
 typedef struct kn_job_product {
     kn_patch_block block;
     kn_patch *patches;
     double *coef;
+    size_t patches_room, coef_room;
     kn_job_cell_plan *plans; // of cells that have their own
     size_t nplans, plans_room;
 } kn_job_product;
+// out: zero, or a product whose patches nobody wants any more; its memory is used again, and on failure it is empty.
 kn_status kn_job_compose_block(kn_ctx *ctx, kn_job_product *out, const kn_job *job, const kn_job_matrix *matrices,
                                const kn_job_block *block);
 void kn_job_product_clear(kn_ctx *ctx, kn_job_product *product);
+// Frees what belongs to its cells, and keeps room for the next block's unless that is too much to keep.
+void kn_job_product_empty(kn_ctx *ctx, kn_job_product *product);
 
 // ---- state.c ----
 // A run between two commits.

@@ -56,21 +56,26 @@ void kn_bernstein_split(double *left, double *right, const double *in, size_t ou
 void kn_bernstein_elevate(double *out, const double *in, size_t outer, int n, int to, size_t inner)
 {
     assert(n <= to && to <= KN_MAX_DEGREE);
-    double bn[KN_MAX_DEGREE + 1], br[KN_MAX_DEGREE + 1], bt[KN_MAX_DEGREE + 1];
+    enum { MOST = (KN_MAX_DEGREE / 2 + 1) * (KN_MAX_DEGREE - KN_MAX_DEGREE / 2 + 1) };
+    double bn[KN_MAX_DEGREE + 1], br[KN_MAX_DEGREE + 1], bt[KN_MAX_DEGREE + 1], weights[MOST];
+    size_t m = (size_t)n + 1, r = (size_t)(to - n) + 1, stride = ((size_t)to + 1) * inner;
     kn_binomial_row(bn, n);
     kn_binomial_row(br, to - n);
     kn_binomial_row(bt, to);
-    for (size_t o = 0; o < outer; o++)
-        for (int k = 0; k <= to; k++) {
-            double *c = out + (o * (size_t)(to + 1) + (size_t)k) * inner;
-            int first = k > to - n ? k - (to - n) : 0, last = k < n ? k : n;
-            for (size_t j = 0; j < inner; j++) {
-                double sum = 0.0;
-                for (int i = first; i <= last; i++)
-                    sum += bn[i] * br[k - i] * in[(o * (size_t)(n + 1) + (size_t)i) * inner + j];
-                c[j] = sum / bt[k];
-            }
-        }
+    for (size_t i = 0; i < m; i++)
+        for (size_t k = 0; k < r; k++) weights[i * r + k] = bn[i] * br[k];
+    for (size_t o = 0; o < outer; o++, in += m * inner, out += stride) {
+        for (size_t j = 0; j < stride; j++) out[j] = 0.0;
+        for (size_t i = 0; i < m; i++)
+            if (inner == 1)
+                for (size_t k = 0; k < r; k++) out[i + k] += weights[i * r + k] * in[i];
+            else
+                for (size_t k = 0; k < r; k++)
+                    for (size_t j = 0; j < inner; j++)
+                        out[(i + k) * inner + j] += weights[i * r + k] * in[i * inner + j];
+        for (int k = 0; k <= to; k++)
+            for (size_t j = 0; j < inner; j++) out[(size_t)k * inner + j] /= bt[k];
+    }
 }
 
 void kn_bernstein_power(double *out, int power, int n, double lo, double hi)
@@ -198,6 +203,13 @@ static inline void sums(double *restrict out, const double *restrict x, const do
     for (; j < width; j++) some_sums(out + j, x, v + j, stride, n, 1);
 }
 
+void kn_bernstein_transform_rows(double *out, const double *in, size_t outer, int rows, int columns,
+                                 const double *turned)
+{
+    size_t nrows = (size_t)rows, ncolumns = (size_t)columns;
+    for (size_t o = 0; o < outer; o++) sums(out + o * nrows, in + o * ncolumns, turned, nrows, columns, nrows);
+}
+
 void kn_bernstein_transform(double *out, const double *in, size_t outer, int rows, int columns, size_t inner,
                             const double *matrix)
 {
@@ -207,7 +219,7 @@ void kn_bernstein_transform(double *out, const double *in, size_t outer, int row
     if (inner == 1 && outer > 1 && nrows * ncolumns <= MOST) { // several rows at a time, not several numbers of one
         for (size_t r = 0; r < nrows; r++)
             for (size_t k = 0; k < ncolumns; k++) turned[k * nrows + r] = matrix[r * ncolumns + k];
-        for (size_t o = 0; o < outer; o++) sums(out + o * nrows, in + o * ncolumns, turned, nrows, columns, nrows);
+        kn_bernstein_transform_rows(out, in, outer, rows, columns, turned);
         return;
     }
     for (size_t o = 0; o < outer; o++, in += ncolumns * inner)

@@ -41,5 +41,8 @@ void kn_bernstein_restriction(double *matrix, int n, double lo, double hi);
 // out (outer, rows, inner) = matrix (rows, columns) times in (outer, columns, inner).
 void kn_bernstein_transform(double *out, const double *in, size_t outer, int rows, int columns, size_t inner,
                             const double *matrix);
+// The same bits for inner = 1, from the matrix transposed: turned (columns, rows).
+void kn_bernstein_transform_rows(double *out, const double *in, size_t outer, int rows, int columns,
+                                 const double *turned);
 
 #endif

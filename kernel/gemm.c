@@ -27,11 +27,23 @@ size_t kn_gemm_room(size_t k, size_t n)
 }
 
 // Panel after panel, each k rows of PANEL numbers, zeros beyond column n.
+void kn_gemm_pack_some(double *packed, const double *b, size_t k, size_t first, size_t count, size_t n, size_t row,
+                       size_t column)
+{
+    for (size_t at = 0; at < n; at += PANEL) {
+        size_t width = n - at < PANEL ? n - at : PANEL;
+        double *to = packed + at * k + first * PANEL;
+        for (size_t p = 0; p < count; p++, to += PANEL) {
+            const double *from = b + p * row + at * column;
+            for (size_t j = 0; j < width; j++) to[j] = from[j * column];
+            for (size_t j = width; j < PANEL; j++) to[j] = 0.0;
+        }
+    }
+}
+
 void kn_gemm_pack(double *packed, const double *b, size_t k, size_t n, size_t row, size_t column)
 {
-    for (size_t first = 0; first < n; first += PANEL)
-        for (size_t p = 0; p < k; p++, packed += PANEL)
-            for (size_t j = 0; j < PANEL; j++) packed[j] = first + j < n ? b[p * row + (first + j) * column] : 0.0;
+    kn_gemm_pack_some(packed, b, k, 0, k, n, row, column);
 }
 
 // A block: c[i][at .. at + PANEL-1] = row i of A times a panel, i < rows <= MOST_ROWS, where A(i, p) is

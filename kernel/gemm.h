@@ -16,6 +16,9 @@
 size_t kn_gemm_room(size_t k, size_t n);
 // Packs B, whose element (i, j) is b[i * row + j * column].
 void kn_gemm_pack(double *packed, const double *b, size_t k, size_t n, size_t row, size_t column);
+// The same of rows first .. first + count - 1 alone: b is where they begin.
+void kn_gemm_pack_some(double *packed, const double *b, size_t k, size_t first, size_t count, size_t n, size_t row,
+                       size_t column);
 
 // c[i][j] = sum over p = 0 .. k-1 of a[i][p] B(p, j), for i < rows, j < n: rows are given by their addresses.
 // work: room for rows * k numbers.

@@ -2,20 +2,11 @@
 // T over a box of (u,v) as one polynomial or rational piece.
 #include "kernel/bernstein.h"
 #include "kernel/context.h"
-#include "trivar/internal.h"
+#include "trivar/piece.h"
 
 #include <math.h>
 
-// A box in S's parameters, and where it lies.
-typedef struct box {
-    double lo[2], hi[2], slack[2]; // slack: what counts as rounding along each variable
-    int span[2];                   // of S
-    int cut[2];                    // of n
-    bool plain;                    // inside the domain, without a knot of n in its interior
-    bool inside;                   // inside the domain
-    bool knotless;                 // without a knot of n in its interior
-    bool crosses[2];               // a knot of S in its interior
-} box;
+typedef kn_piece_box box;
 
 void kn_shell_piece_clear(kn_ctx *ctx, kn_shell_piece *piece)
 {
@@ -50,7 +41,7 @@ static double snap(const double *breaks, int n, double x, double slack, int near
     return x;
 }
 
-static void place(box *b, const kn_shell *s, int v, int cell, double lo, double hi)
+void kn_piece_place(box *b, const kn_shell *s, int v, int cell, double lo, double hi)
 {
     int cells = s->nlines[v] - 1;
     if (s->closed[v]) {
@@ -79,14 +70,17 @@ static void place(box *b, const kn_shell *s, int v, int cell, double lo, double 
     b->plain = b->plain && inside && b->knotless;
 }
 
+void kn_piece_local(double *lo, double *hi, const box *b, int v, const double *breaks, int at)
+{
+    double a = breaks[at], width = breaks[at + 1] - a;
+    *lo = (b->lo[v] - a) / width;
+    *hi = b->hi[v] == breaks[at + 1] ? 1.0 : (b->hi[v] - a) / width;
+}
+
 // The box in the coordinates of an interval.
 static void to_local(double lo[2], double hi[2], const box *b, double *const breaks[2], const int at[2])
 {
-    for (int v = 0; v < 2; v++) {
-        double a = breaks[v][at[v]], width = breaks[v][at[v] + 1] - a;
-        lo[v] = (b->lo[v] - a) / width;
-        hi[v] = b->hi[v] == breaks[v][at[v] + 1] ? 1.0 : (b->hi[v] - a) / width;
-    }
+    for (int v = 0; v < 2; v++) kn_piece_local(&lo[v], &hi[v], b, v, breaks[v], at[v]);
 }
 
 // What restricts to a box, in scratch memory: S and n over one span, of one degree, have it in common.
@@ -294,12 +288,12 @@ static void make_outline(kn_shell_piece *p, const kn_shell *s, const box *b)
 static kn_status find_box(kn_ctx *ctx, box *b, const kn_shell *shell, const int cell[2], const double lo[2],
                           const double hi[2])
 {
-    *b = (box){.plain = true, .inside = true, .knotless = true};
+    *b = KN_PIECE_BOX;
     if (!kn_shell_has_terms(shell)) return kn_fail(ctx, KN_EDOMAIN, "shell piece: the volume has knots in w");
     for (int v = 0; v < 2; v++) {
         if (!(lo[v] < hi[v]) || !isfinite(hi[v] - lo[v]))
             return kn_fail(ctx, KN_EDOMAIN, "shell piece: box [%g, %g] in variable %d", lo[v], hi[v], v);
-        place(b, shell, v, cell[v], lo[v], hi[v]);
+        kn_piece_place(b, shell, v, cell[v], lo[v], hi[v]);
         if (b->crosses[v])
             return kn_fail(ctx, KN_EDOMAIN, "shell piece: [%g, %g] of cell %d has a knot of the surface inside",
                            lo[v], hi[v], cell[v]);

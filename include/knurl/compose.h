@@ -102,7 +102,7 @@ KN_API KN_CHECKED kn_status kn_compose_piece(kn_ctx *ctx, kn_bezier *out, const 
 typedef struct kn_compose_matrix {
     int rows_degree[3];
     size_t rows, cols;
-    double *m; // row by row; owned
+    double *m; // column by column: element (q, j) is m[j * rows + q]; owned
 } kn_compose_matrix;
 KN_API KN_CHECKED kn_status kn_compose_matrix_init(kn_ctx *ctx, kn_compose_matrix *out, const kn_bezier *tile,
                                                    const int degree[2], int power, const int *rows_degree);

@@ -53,7 +53,7 @@ static void equals_symbolic(void **state)
                 double sum = 0;
                 for (int k = 0; k < 2; k++)
                     for (size_t j = 0; j < m[k].cols; j++)
-                        sum += m[k].m[q * m[k].cols + j] * piece.term[k].coef[c * m[k].cols + j];
+                        sum += m[k].m[j * m[k].rows + q] * piece.term[k].coef[c * m[k].cols + j];
                 assert_true(fabs(sum - out.coef[c * m[0].rows + q]) <= 2 * 400 * DBL_EPSILON);
             }
         for (int k = 0; k < 2; k++) kn_bezier_clear(ctx, &piece.term[k]), kn_compose_matrix_clear(ctx, &m[k]);
@@ -81,8 +81,8 @@ static void convex_in_the_unit_cell(void **state)
         for (size_t q = 0; q < m.rows; q++) {
             double row = 0;
             for (size_t j = 0; j < m.cols; j++) {
-                assert_true(m.m[q * m.cols + j] >= 0);
-                row += m.m[q * m.cols + j];
+                assert_true(m.m[j * m.rows + q] >= 0);
+                row += m.m[j * m.rows + q];
             }
             assert_true(fabs(row - 1) <= 100 * DBL_EPSILON); // gamma(4 (a + b) + columns)
         }
@@ -92,13 +92,21 @@ static void convex_in_the_unit_cell(void **state)
     test_ctx_end(ctx, &memory);
 }
 
-// Row q of an edge: side 0 r=0, 1 r=1, 2 t=0, 3 t=1.
-static const double *edge_row(const kn_compose_matrix *m, int side, int q)
+// The place of row q of an edge: side 0 r=0, 1 r=1, 2 t=0, 3 t=1.
+static size_t edge_row(const kn_compose_matrix *m, int side, int q)
 {
     size_t row = (size_t)m->rows_degree[1] + 1, at = (size_t)q;
     if (side == 1) at += m->rows - row;
     if (side >= 2) at = (size_t)q * row + (side == 3 ? row - 1 : 0);
-    return m->m + at * m->cols;
+    return at;
+}
+
+// Rows p of a and q of b agree bit for bit.
+static void assert_same_rows(const kn_compose_matrix *a, size_t p, const kn_compose_matrix *b, size_t q)
+{
+    assert_int_equal(a->cols, b->cols);
+    for (size_t j = 0; j < a->cols; j++)
+        assert_memory_equal(&a->m[j * a->rows + p], &b->m[j * b->rows + q], sizeof(double));
 }
 
 static double *edge_coef(kn_bezier *b, int c, int side, int i)
@@ -130,8 +138,8 @@ static void shared_edges_are_equal(void **state)
         for (int k = 0; k < 2; k++)
             assert_int_equal(kn_compose_matrix_init(ctx, &m[k], &tile[k], degree, power, rows), KN_OK);
         for (int q = 0; q <= 19; q++)
-            assert_memory_equal(edge_row(&m[0], side[0], q), edge_row(&m[1], side[1], reversed ? 19 - q : q),
-                                m[0].cols * sizeof(double));
+            assert_same_rows(&m[0], edge_row(&m[0], side[0], q), &m[1],
+                             edge_row(&m[1], side[1], reversed ? 19 - q : q));
         for (int k = 0; k < 2; k++) kn_compose_matrix_clear(ctx, &m[k]), kn_bezier_clear(ctx, &tile[k]);
     }
     test_ctx_end(ctx, &memory);
@@ -159,13 +167,14 @@ static void edges_across_cells_are_equal(void **state)
         for (int k = 0; k < 2; k++)
             assert_int_equal(kn_compose_matrix_init(ctx, &m[k], &tile[k], degree, power, rows), KN_OK);
         for (int q = 0; q <= 18; q++) {
-            const double *far = edge_row(&m[0], 1, q), *near = edge_row(&m[1], 0, q);
+            const double *far = m[0].m + edge_row(&m[0], 1, q), *near = m[1].m + edge_row(&m[1], 0, q);
             for (int a = 0; a <= 3; a++)
                 for (int b = 0; b <= 2; b++) {
                     int at = 3 * a + b, place = across == 0 ? a : b, most = degree[across];
-                    if (place < most) assert_true(far[at] == 0);
-                    if (place > 0) assert_true(near[at] == 0);
-                    if (place == most) assert_true(far[at] == near[at - most * step[across]]);
+                    size_t opposite = (size_t)(at - most * step[across]) * m[1].rows;
+                    if (place < most) assert_true(far[(size_t)at * m[0].rows] == 0);
+                    if (place > 0) assert_true(near[(size_t)at * m[1].rows] == 0);
+                    if (place == most) assert_true(far[(size_t)at * m[0].rows] == near[opposite]);
                 }
         }
         for (int k = 0; k < 2; k++) kn_compose_matrix_clear(ctx, &m[k]), kn_bezier_clear(ctx, &tile[k]);
@@ -206,9 +215,7 @@ static void shared_faces_are_equal(void **state)
                     size_t p = on_face(of, var[0], end[0], i, j);
                     size_t q = on_face(of, var[1], end[1], turn & 4 ? b : a, turn & 4 ? a : b);
                     for (size_t c = 0; size == 2 && c < 3; c++) tile[1].coef[27 * c + q] = tile[0].coef[27 * c + p];
-                    if (size == 8)
-                        assert_memory_equal(m[0].m + p * m[0].cols, m[1].m + q * m[1].cols,
-                                            m[0].cols * sizeof(double));
+                    if (size == 8) assert_same_rows(&m[0], p, &m[1], q);
                 }
         }
         for (int k = 0; k < 2; k++) kn_compose_matrix_clear(ctx, &m[k]), kn_bezier_clear(ctx, &tile[k]);
@@ -234,7 +241,7 @@ static void curves_are_edges(void **state)
         assert_int_equal(kn_compose_matrix_init(ctx, &m[0], &surface, cell, 1, rows), KN_OK);
         assert_int_equal(kn_compose_matrix_init(ctx, &m[1], &curve, cell, 1, rows), KN_OK);
         for (int q = 0; q <= 12; q += 12) // inside, a curve keeps its own direction
-            assert_memory_equal(edge_row(&m[0], side, q), m[1].m + (size_t)q * m[1].cols, m[1].cols * sizeof(double));
+            assert_same_rows(&m[0], edge_row(&m[0], side, q), &m[1], (size_t)q);
         for (int k = 0; k < 2; k++) kn_compose_matrix_clear(ctx, &m[k]);
         kn_bezier_clear(ctx, &surface), kn_bezier_clear(ctx, &curve);
     }

@@ -5,6 +5,7 @@
 #include <knurl/knurl.h>
 
 #include <math.h>
+#include <stdlib.h>
 
 // A surface near the unit square in dimension 3: what bytes make at random has no normal mostly.
 static void make_surface(feed *f, kn_spline *s)
@@ -40,6 +41,19 @@ static kn_shell_options make_shell_options(feed *f)
     return options;
 }
 
+// Rows end in exact-size memory.
+static void use_rows(feed *f, const kn_shell *shell, const kn_shell_piece *like, const int cell[2])
+{
+    size_t row = 0;
+    int n = feed_int(f, 0, 5), made = 0;
+    for (int t = 0; t < like->nterms; t++) row += kn_bezier_count(&like->term[t]);
+    double *rows = malloc((size_t)n * row * (size_t)like->term[0].ncomp * sizeof *rows + 1);
+    if (!rows) return;
+    feed_any(kn_shell_piece_rows(f->ctx, rows, &made, shell, like, cell, n));
+    if (made < 0 || made > n) abort();
+    free(rows);
+}
+
 static void use_shell(feed *f, const kn_shell *shell)
 {
     double point[3], jacobian[9], lo[2] = {feed_number(f) / 4.0, 0.0}, hi[2] = {1.0, feed_number(f) / 4.0};
@@ -60,8 +74,10 @@ static void use_shell(feed *f, const kn_shell *shell)
     if (cell[0] > 100 || cell[0] < -100) cell[0] = 100;
     if (kn_shell_piece_init(f->ctx, &piece, &fits, shell, cell, lo, hi, feed_wild(f, 0, 8)) == KN_OK && fits)
         kn_shell_piece_clear(f->ctx, &piece);
-    if (kn_shell_piece_outline(f->ctx, &piece, &fits, shell, cell, lo, hi, 6) == KN_OK && fits)
+    if (kn_shell_piece_outline(f->ctx, &piece, &fits, shell, cell, lo, hi, 6) == KN_OK && fits) {
+        use_rows(f, shell, &piece, cell);
         kn_shell_piece_clear(f->ctx, &piece);
+    }
 }
 
 // A point that T has made must be in one of the boxes; all boxes reach into the domain.

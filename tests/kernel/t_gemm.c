@@ -83,6 +83,10 @@ static void packs_strided(void **state)
     assert_non_null(again);
     kn_gemm_pack(again, t.b, 5, 19, 1, 5);
     assert_memory_equal(again, p.packed, kn_gemm_room(5, 19) * sizeof(double));
+    memset(again, 0x7f, kn_gemm_room(5, 19) * sizeof(double));
+    kn_gemm_pack_some(again, t.b + 2, 5, 2, 3, 19, 1, 5); // rows 2 to 4, then the others
+    kn_gemm_pack_some(again, t.b, 5, 0, 2, 19, 1, 5);
+    assert_memory_equal(again, p.packed, kn_gemm_room(5, 19) * sizeof(double));
     free(again);
     end(&p);
     end(&t);
