@@ -361,6 +361,23 @@ kn_status kn_brep_end_face(kn_ctx *ctx, kn_brep *b, uint64_t number, int look, i
     return KN_OK;
 }
 
+kn_status kn_brep_open(kn_ctx *ctx, kn_brep *b, int *out)
+{
+    uint32_t at = NONE;
+    kn_status status = new_body(ctx, b, &at);
+    if (status != KN_OK) return status;
+    b->bodies[at].odd = true;
+    *out = (int)at;
+    return KN_OK;
+}
+
+kn_status kn_brep_append(kn_ctx *ctx, kn_brep *b, int at, uint64_t number, int look)
+{
+    int closed;
+    b->face = (uint32_t)at;
+    return kn_brep_end_face(ctx, b, number, look, &closed);
+}
+
 bool kn_brep_next_body(const kn_brep *b, int *at)
 {
     size_t i = *at == KN_BREP_NONE ? 0 : (size_t)*at + 1;

@@ -50,6 +50,11 @@ kn_status kn_brep_add(kn_ctx *ctx, kn_brep *b, const kn_brep_edge *edges, int n,
 // another face and each of which two faces use in opposite directions; KN_BREP_NONE: none.
 kn_status kn_brep_end_face(kn_ctx *ctx, kn_brep *b, uint64_t number, int look, int *closed);
 
+// A body of faces that meet nobody, or a list of any numbers: never closed.
+kn_status kn_brep_open(kn_ctx *ctx, kn_brep *b, int *body);
+// One more number in such a body.
+kn_status kn_brep_append(kn_ctx *ctx, kn_brep *b, int body, uint64_t number, int look);
+
 // Bodies that wait at the end: *body = the next one after *body (KN_BREP_NONE: from the first on); false: no more.
 bool kn_brep_next_body(const kn_brep *b, int *body);
 // A body's faces in the order of their arrival, look by look as told.

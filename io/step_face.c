@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// One patch as an ADVANCED_FACE: its surface, its boundary curves on the same control points, its loop.
+// One patch of a STEP file: its points, its surface, the curves of its edges on the same control points, and by which
+// keys its edges meet others.
 #include "io/step_face.h"
 #include "io/step_write.h"
 #include "kernel/context.h"
 
 #include <math.h>
 #include <stdio.h>
+#include <string.h>
 
 // Corners: (r,t) = (0,0), (1,0), (1,1), (0,1), counterclockwise. Edge e runs from corner to corner with increasing r
 // or t, and the loop runs along it forwards or backwards.
@@ -21,36 +23,35 @@ double kn_step_same(double largest)
     return fmax(same_mm, 1e-12 * largest); // far above the rounding of a composition
 }
 
-uint64_t kn_step_face(const kn_bezier *b, uint64_t first)
+void kn_step_put_relative(kn_text *text, uint32_t k)
 {
-    return first + kn_bezier_count(b) + KN_STEP_FACE_NUMBERS - 1;
+    kn_text_relative(text, k);
+    kn_text_char(text, '=');
 }
 
-uint64_t kn_step_number(const kn_step_net *f, int offset)
-{
-    return f->first + (uint64_t)(f->n + offset);
-}
+// ---- the net ----
 
-// Control point k of edge e, as an index into the net.
+// Control point k of edge e.
 static int edge_point(const kn_step_net *f, int e, int k)
 {
+    int nr = f->axis[0].n, nt = f->axis[1].n;
     switch (e) {
-    case 0: return k * f->nt;
-    case 1: return (f->nr - 1) * f->nt + k;
-    case 2: return k * f->nt + f->nt - 1;
+    case 0: return k * nt;
+    case 1: return (nr - 1) * nt + k;
+    case 2: return k * nt + nt - 1;
     default: return k;
     }
 }
 
 static int edge_length(const kn_step_net *f, int e)
 {
-    return e % 2 == 0 ? f->nr : f->nt;
+    return f->axis[e % 2].n;
 }
 
 static int corner_point(const kn_step_net *f, int corner)
 {
-    int r = corner == 1 || corner == 2 ? f->nr - 1 : 0, t = corner >= 2 ? f->nt - 1 : 0;
-    return r * f->nt + t;
+    int nr = f->axis[0].n, nt = f->axis[1].n;
+    return (corner == 1 || corner == 2 ? nr - 1 : 0) * nt + (corner >= 2 ? nt - 1 : 0);
 }
 
 static bool same_point(const kn_step_net *f, int a, int b)
@@ -60,12 +61,39 @@ static bool same_point(const kn_step_net *f, int a, int b)
     return true;
 }
 
-// Scaled and projected points; *largest receives the largest coordinate.
-kn_status kn_step_load(kn_ctx *ctx, double *point, double *largest, const kn_bezier *b, double mm)
+static kn_status load_axis(kn_ctx *ctx, kn_step_axis *x, const double *knots, int degree, int count)
 {
+    int most = count - degree + 1, n = 0;
+    int *times = kn_scratch(ctx, (size_t)most, sizeof *times);
+    double *breaks = kn_scratch(ctx, (size_t)most, sizeof *breaks);
+    if (!times || !breaks) return KN_ENOMEM;
+    if (!knots) {
+        times[0] = times[1] = degree + 1;
+        breaks[0] = 0.0, breaks[1] = 1.0;
+        n = 2;
+    }
+    for (int k = 0; knots && k < count + degree + 1; k++) {
+        if (k > 0 && knots[k] == knots[k - 1]) {
+            times[n - 1]++;
+            continue;
+        }
+        times[n] = 1, breaks[n++] = knots[k];
+    }
+    *x = (kn_step_axis){degree, count, n, times, breaks};
+    return KN_OK;
+}
+
+kn_status kn_step_load(kn_ctx *ctx, kn_step_net *net, const kn_patch *patch, double mm)
+{
+    const kn_bezier *b = &patch->bezier;
     size_t n = kn_bezier_count(b);
+    double *point = kn_scratch(ctx, 4 * n, sizeof *point), largest = 0.0;
+    kn_status status = point ? KN_OK : KN_ENOMEM;
+    *net = (kn_step_net){.n = (int)n, .point = point};
+    for (int v = 0; v < 2 && status == KN_OK; v++)
+        status = load_axis(ctx, &net->axis[v], NULL, b->degree[v], b->degree[v] + 1);
+    if (status != KN_OK) return status;
     bool good = true;
-    *largest = 0.0;
     for (size_t k = 0; k < n && good; k++) {
         double weight = b->rational ? b->coef[3 * n + k] : 1.0;
         good = weight > 0.0 && isfinite(weight);
@@ -73,42 +101,22 @@ kn_status kn_step_load(kn_ctx *ctx, double *point, double *largest, const kn_bez
             double x = b->coef[c * n + k] / weight * mm;
             point[4 * k + c] = x;
             good = isfinite(x);
-            *largest = fmax(*largest, fabs(x));
+            largest = fmax(largest, fabs(x));
         }
         point[4 * k + 3] = weight;
+        net->rational = net->rational || weight != point[3];
     }
+    for (size_t k = 0; k < n && !net->rational; k++) point[4 * k + 3] = 1.0;
+    net->same = kn_step_same(largest);
     return good ? KN_OK : kn_fail(ctx, KN_EUNDEFINED, "STEP: a control point of a patch is not finite");
 }
 
-bool kn_step_weights_differ(const kn_bezier *b)
-{
-    size_t n = kn_bezier_count(b);
-    for (size_t k = 1; k < n && b->rational; k++)
-        if (b->coef[3 * n + k] != b->coef[3 * n]) return true;
-    return false;
-}
-
-void kn_step_find_topology(kn_step_net *f)
-{
-    for (int c = 0; c < 4; c++) {
-        f->vertex[c] = 0;
-        while (!same_point(f, corner_point(f, c), corner_point(f, f->vertex[c]))) f->vertex[c]++;
-    }
-    for (int e = 0; e < 4; e++) {
-        bool collapsed = true, seam = e >= 2;
-        for (int k = 0; k < edge_length(f, e); k++) {
-            collapsed = collapsed && same_point(f, edge_point(f, e, 0), edge_point(f, e, k));
-            seam = seam && same_point(f, edge_point(f, e, k), edge_point(f, e - 2, k));
-        }
-        f->collapsed[e] = collapsed;
-        f->curve[e] = seam ? e - 2 : e;
-    }
-}
+// ---- text ----
 
 void kn_step_put_points(kn_text *text, const kn_step_net *f)
 {
     for (int k = 0; k < f->n; k++) {
-        kn_step_put_number(text, f->first + (uint64_t)k);
+        kn_step_put_relative(text, (uint32_t)k);
         kn_text_put(text, "CARTESIAN_POINT('',(");
         for (int c = 0; c < 3; c++) {
             if (c > 0) kn_text_char(text, ',');
@@ -119,32 +127,34 @@ void kn_step_put_points(kn_text *text, const kn_step_net *f)
     }
 }
 
-// A list, or a list of lists, of point numbers or of weights.
+// A list of lists of point numbers or of weights.
 static void put_net(kn_text *text, const kn_step_net *f, bool weights)
 {
+    int nt = f->axis[1].n;
     kn_text_char(text, '(');
     for (int k = 0; k < f->n; k++) {
         if (k > 0) kn_text_comma(text);
-        if (k % f->nt == 0) kn_text_char(text, '(');
+        if (k % nt == 0) kn_text_char(text, '(');
         if (weights)
             kn_text_step_real(text, f->point[4 * k + 3]);
         else
-            kn_text_reference(text, f->first + (uint64_t)k);
-        if (k % f->nt == f->nt - 1) kn_text_char(text, ')');
+            kn_text_relative(text, (uint32_t)k);
+        if (k % nt == nt - 1) kn_text_char(text, ')');
     }
     kn_text_char(text, ')');
 }
 
-static void put_edge_list(kn_text *text, const kn_step_net *f, int e, bool weights)
+static void put_edge_list(kn_text *text, const kn_step_net *f, int e, bool turned, bool weights)
 {
+    int n = edge_length(f, e);
     kn_text_char(text, '(');
-    for (int k = 0; k < edge_length(f, e); k++) {
-        int at = edge_point(f, e, k);
+    for (int k = 0; k < n; k++) {
+        int at = edge_point(f, e, turned ? n - 1 - k : k);
         if (k > 0) kn_text_comma(text);
         if (weights)
             kn_text_step_real(text, f->point[4 * at + 3]);
         else
-            kn_text_reference(text, f->first + (uint64_t)at);
+            kn_text_relative(text, (uint32_t)at);
     }
     kn_text_char(text, ')');
 }
@@ -154,41 +164,44 @@ void kn_step_put_logical(kn_text *text, bool value)
     kn_text_put(text, value ? ".T." : ".F.");
 }
 
-static void put_multiplicity(kn_text *text, int n)
+void kn_step_put_knots(kn_text *text, const kn_step_axis *x, bool times)
 {
     kn_text_char(text, '(');
-    kn_text_integer(text, (uint64_t)n);
-    kn_text_char(text, ',');
-    kn_text_integer(text, (uint64_t)n);
+    for (int k = 0; k < x->nbreaks; k++) {
+        if (k > 0) kn_text_comma(text);
+        if (times)
+            kn_text_integer(text, (uint64_t)x->times[k]);
+        else
+            kn_text_step_real(text, x->breaks[k]);
+    }
     kn_text_char(text, ')');
 }
 
 // The attributes of B_SPLINE_SURFACE and of B_SPLINE_SURFACE_WITH_KNOTS, which the rational form lists apart.
 static void put_surface_shape(kn_text *text, const kn_step_net *f)
 {
-    kn_text_integer(text, (uint64_t)(f->nr - 1));
+    kn_text_integer(text, (uint64_t)f->axis[0].degree);
     kn_text_char(text, ',');
-    kn_text_integer(text, (uint64_t)(f->nt - 1));
+    kn_text_integer(text, (uint64_t)f->axis[1].degree);
     kn_text_char(text, ',');
     put_net(text, f, false);
     kn_text_put(text, ",.UNSPECIFIED.,");
-    kn_step_put_logical(text, f->curve[3] != 3); // closed in r: the edges r = 0 and r = 1 coincide
+    kn_step_put_logical(text, f->closed[0]);
     kn_text_char(text, ',');
-    kn_step_put_logical(text, f->curve[2] != 2);
+    kn_step_put_logical(text, f->closed[1]);
     kn_text_put(text, ",.F.");
 }
 
 static void put_surface_knots(kn_text *text, const kn_step_net *f)
 {
-    put_multiplicity(text, f->nr);
-    kn_text_char(text, ',');
-    put_multiplicity(text, f->nt);
-    kn_text_put(text, ",(0.,1.),(0.,1.),.UNSPECIFIED.");
+    for (int v = 0; v < 2; v++) kn_step_put_knots(text, &f->axis[v], true), kn_text_char(text, ',');
+    for (int v = 0; v < 2; v++) kn_step_put_knots(text, &f->axis[v], false), kn_text_char(text, ',');
+    kn_text_put(text, ".UNSPECIFIED.");
 }
 
 void kn_step_put_surface(kn_text *text, const kn_step_net *f)
 {
-    kn_step_put_number(text, kn_step_number(f, 0));
+    kn_step_put_relative(text, (uint32_t)f->n);
     kn_text_put(text, f->rational ? "(BOUNDED_SURFACE()B_SPLINE_SURFACE(" : "B_SPLINE_SURFACE_WITH_KNOTS('',");
     put_surface_shape(text, f);
     kn_text_put(text, f->rational ? ")B_SPLINE_SURFACE_WITH_KNOTS(" : ",");
@@ -204,163 +217,106 @@ void kn_step_put_surface(kn_text *text, const kn_step_net *f)
     kn_text_newline(text);
 }
 
-static void put_curve(kn_text *text, const kn_step_net *f, int e)
+// Without its number, in the direction of its key.
+static void put_curve(kn_text *text, const kn_step_net *f, int e, bool turned, bool closed)
 {
-    bool closed = f->vertex[edge_start[e]] == f->vertex[edge_end[e]];
-    kn_step_put_number(text, kn_step_number(f, 1 + e));
+    const kn_step_axis *x = &f->axis[e % 2];
     kn_text_put(text, f->rational ? "(BOUNDED_CURVE()B_SPLINE_CURVE(" : "B_SPLINE_CURVE_WITH_KNOTS('',");
-    kn_text_integer(text, (uint64_t)(edge_length(f, e) - 1));
+    kn_text_integer(text, (uint64_t)x->degree);
     kn_text_char(text, ',');
-    put_edge_list(text, f, e, false);
+    put_edge_list(text, f, e, turned, false);
     kn_text_put(text, ",.UNSPECIFIED.,");
     kn_step_put_logical(text, closed);
     kn_text_put(text, f->rational ? ",.F.)B_SPLINE_CURVE_WITH_KNOTS(" : ",.F.,");
-    put_multiplicity(text, edge_length(f, e));
-    kn_text_put(text, ",(0.,1.),.UNSPECIFIED.");
+    kn_step_put_knots(text, x, true), kn_text_char(text, ',');
+    kn_step_put_knots(text, x, false); // symmetric: they serve both directions
+    kn_text_put(text, ",.UNSPECIFIED.");
     if (f->rational) {
         kn_text_char(text, ')');
         kn_text_newline(text);
         kn_text_put(text, "CURVE()GEOMETRIC_REPRESENTATION_ITEM()RATIONAL_B_SPLINE_CURVE(");
-        put_edge_list(text, f, e, true);
+        put_edge_list(text, f, e, turned, true);
         kn_text_put(text, ")REPRESENTATION_ITEM('')");
     }
     kn_text_put(text, ");");
     kn_text_newline(text);
 }
 
-static void put_edge(kn_text *text, const kn_step_net *f, int e)
+// ---- edges ----
+
+static kn_brep_key corner_key(const kn_step_net *f, int corner)
 {
-    kn_step_put_number(text, kn_step_number(f, 9 + e));
-    kn_text_put(text, "EDGE_CURVE('',");
-    kn_text_reference(text, kn_step_number(f, 5 + f->vertex[edge_start[e]]));
-    kn_text_char(text, ',');
-    kn_text_reference(text, kn_step_number(f, 5 + f->vertex[edge_end[e]]));
-    kn_text_char(text, ',');
-    kn_text_reference(text, kn_step_number(f, 1 + e));
-    kn_text_put(text, ",.T.);");
-    kn_text_newline(text);
+    bool turned;
+    return kn_brep_hash(&turned, f->point + 4 * corner_point(f, corner), 3, 1, 1, 0);
 }
 
-static void put_vertex(kn_text *text, const kn_step_net *f, int corner)
+static bool equal_keys(kn_brep_key a, kn_brep_key b)
 {
-    kn_step_put_number(text, kn_step_number(f, 5 + corner));
-    kn_text_put(text, "VERTEX_POINT('',");
-    kn_text_reference(text, f->first + (uint64_t)corner_point(f, corner));
-    kn_text_put(text, ");");
-    kn_text_newline(text);
+    return a.a == b.a && a.b == b.b;
 }
 
-static void put_oriented_edge(kn_text *text, const kn_step_net *f, int e)
+// Keys of edges, which are points, which vertices are one therefore, and whether the surface is closed.
+static void find_edges(kn_step_item *item, kn_step_net *f, bool turned[4])
 {
-    kn_step_put_number(text, kn_step_number(f, 13 + e));
-    kn_text_put(text, "ORIENTED_EDGE('',*,*,");
-    kn_text_reference(text, kn_step_number(f, 9 + f->curve[e]));
-    kn_text_put(text, edge_forward[e] ? ",.T.);" : ",.F.);");
-    kn_text_newline(text);
-}
-
-static void put_loop(kn_text *text, const kn_step_net *f)
-{
-    bool written = false;
-    kn_step_put_number(text, kn_step_number(f, 17));
-    kn_text_put(text, "EDGE_LOOP('',(");
+    kn_brep_key key[4];
     for (int e = 0; e < 4; e++) {
-        if (f->collapsed[e]) continue;
-        if (written) kn_text_char(text, ',');
-        kn_text_reference(text, kn_step_number(f, 13 + e));
-        written = true;
-    }
-    kn_text_put(text, "));");
-    kn_text_newline(text);
-}
-
-// A patch like a balloon: its whole boundary is one point.
-static void put_vertex_loop(kn_text *text, const kn_step_net *f)
-{
-    put_vertex(text, f, 0);
-    kn_step_put_number(text, kn_step_number(f, 17));
-    kn_text_put(text, "VERTEX_LOOP('',");
-    kn_text_reference(text, kn_step_number(f, 5));
-    kn_text_put(text, ");");
-    kn_text_newline(text);
-}
-
-// Vertices and edges that are in use, then the edges in the order of the loop.
-static void put_boundary(kn_text *text, const kn_step_net *f)
-{
-    bool used[4] = {false, false, false, false}, any = false;
-    for (int e = 0; e < 4; e++) {
-        if (f->collapsed[e]) continue;
-        used[f->vertex[edge_start[e]]] = used[f->vertex[edge_end[e]]] = any = true;
-    }
-    if (!any) {
-        put_vertex_loop(text, f);
-        return;
-    }
-    for (int c = 0; c < 4; c++)
-        if (used[c]) put_vertex(text, f, c);
-    for (int e = 0; e < 4; e++) {
-        if (f->collapsed[e]) continue;
-        if (f->curve[e] == e) {
-            put_curve(text, f, e);
-            put_edge(text, f, e);
+        int n = edge_length(f, e), first = edge_point(f, e, 0);
+        ptrdiff_t step = 4 * (ptrdiff_t)(n > 1 ? edge_point(f, e, 1) - first : 0);
+        key[e] = kn_brep_hash(&turned[e], f->point + 4 * first, 4, 1, (size_t)n, step);
+        bool point = true;
+        for (int k = 0; k < n; k++) point = point && same_point(f, first, edge_point(f, e, k));
+        kn_brep_key start = corner_key(f, edge_start[e]), end = corner_key(f, edge_end[e]);
+        if (point) {
+            if (equal_keys(start, end)) continue;
+            item->pair[item->npairs][0] = start, item->pair[item->npairs++][1] = end;
+            continue;
         }
-        put_oriented_edge(text, f, e);
+        int at = item->nedges++, from = turned[e] ? edge_end[e] : edge_start[e];
+        int to = turned[e] ? edge_start[e] : edge_end[e];
+        item->edge[at] = e;
+        item->along[at] = edge_forward[e] != turned[e];
+        item->edges[at] = (kn_brep_edge){.key = key[e], .forward = item->along[at] != item->reversed};
+        item->edges[at].vertex[0] = turned[e] ? end : start, item->edges[at].vertex[1] = turned[e] ? start : end;
+        item->corner[at][0] = (uint32_t)corner_point(f, from), item->corner[at][1] = (uint32_t)corner_point(f, to);
     }
-    put_loop(text, f);
+    for (int v = 0; v < 2; v++) // closed in r: the edges r = 0 and r = 1 are one
+        f->closed[v] = equal_keys(key[v == 0 ? 3 : 0], key[v == 0 ? 1 : 2]) &&
+                       turned[v == 0 ? 3 : 0] == turned[v == 0 ? 1 : 2];
 }
 
-void kn_step_name(char name[KN_STEP_NAME_BYTES], const kn_patch_id *id, const char *part)
+void kn_step_name(char name[KN_STEP_NAME_BYTES], const kn_patch_id *id, const char *part, bool face)
 {
-    int length = snprintf(name, (size_t)KN_STEP_NAME_BYTES, "s%d c%d,%d %s %d", id->surface, id->cell[0], id->cell[1],
-                          part, id->patch);
-    if (id->piece > 0 && length > 0 && (size_t)length < (size_t)KN_STEP_NAME_BYTES)
-        snprintf(name + length, (size_t)KN_STEP_NAME_BYTES - (size_t)length, ".%d", id->piece);
+    size_t room = (size_t)KN_STEP_NAME_BYTES;
+    int length = snprintf(name, room, "s%d c%d,%d %s", id->surface, id->cell[0], id->cell[1], part);
+    if (!face || length < 0 || (size_t)length >= room) return;
+    int more = snprintf(name + length, room - (size_t)length, " %d", id->patch);
+    length += more;
+    if (id->piece > 0 && more > 0 && (size_t)length < room)
+        snprintf(name + length, room - (size_t)length, ".%d", id->piece);
 }
 
-// The loop runs counterclockwise about r x t. A reversed patch turns both the face and the loop over.
-static void put_face(kn_text *text, const kn_step_net *f, const kn_patch_id *id, const char *part, bool reversed)
+kn_status kn_step_put_face(kn_text *text, kn_step_item *item, const kn_patch *patch, const char *part, double mm)
 {
-    char name[KN_STEP_NAME_BYTES];
-    kn_step_name(name, id, part);
-    kn_step_put_number(text, kn_step_number(f, 18));
-    kn_text_put(text, "FACE_OUTER_BOUND('',");
-    kn_text_reference(text, kn_step_number(f, 17));
-    kn_text_char(text, ',');
-    kn_step_put_logical(text, !reversed);
-    kn_text_put(text, ");");
-    kn_text_newline(text);
-    kn_step_put_number(text, kn_step_number(f, 19));
-    kn_text_put(text, "ADVANCED_FACE(");
-    kn_text_step_string(text, name);
-    kn_text_put(text, ",(");
-    kn_text_reference(text, kn_step_number(f, 18));
-    kn_text_put(text, "),");
-    kn_text_reference(text, kn_step_number(f, 0));
-    kn_text_char(text, ',');
-    kn_step_put_logical(text, !reversed);
-    kn_text_put(text, ");");
-    kn_text_newline(text);
-}
-
-kn_status kn_step_put_face(kn_text *text, const kn_patch *patch, const char *part, uint64_t first, double mm)
-{
-    if (patch->trim) return kn_step_put_trimmed(text, patch, part, first, mm);
-    const kn_bezier *b = &patch->bezier;
+    *item = (kn_step_item){.kind = KN_STEP_FACE, .look = patch->look, .id = patch->id, .reversed = patch->reversed};
+    if (patch->trim) return kn_step_put_trimmed(text, item, patch, part, mm);
+    kn_step_net f;
+    bool turned[4];
     kn_mark mark = kn_scratch_mark(text->ctx);
-    double *point = kn_scratch(text->ctx, 4 * kn_bezier_count(b), sizeof *point), largest = 0.0;
-    kn_status status = point != NULL ? kn_step_load(text->ctx, point, &largest, b, mm) : KN_ENOMEM;
+    kn_status status = kn_step_load(text->ctx, &f, patch, mm);
     if (status == KN_OK) {
-        kn_step_net f = {
-            .nr = b->degree[0] + 1, .nt = b->degree[1] + 1, .rational = kn_step_weights_differ(b), .point = point};
-        f.n = f.nr * f.nt;
-        f.first = first;
-        f.same = kn_step_same(largest);
-        kn_step_find_topology(&f);
+        find_edges(item, &f, turned);
         kn_step_put_points(text, &f);
         kn_step_put_surface(text, &f);
-        put_boundary(text, &f);
-        put_face(text, &f, &patch->id, part, patch->reversed);
+        item->text_end = text->bytes;
+        for (int e = 0, at = 0; e < 4; e++) {
+            bool used = at < item->nedges && item->edge[at] == e;
+            if (used) {
+                const kn_brep_edge *b = &item->edges[at++];
+                put_curve(text, &f, e, turned[e], equal_keys(b->vertex[0], b->vertex[1]));
+            }
+            item->curve_end[e] = text->bytes;
+        }
+        item->numbers = (uint32_t)f.n + 1, item->main = (uint32_t)f.n;
     }
     kn_scratch_release(text->ctx, mark);
     return status == KN_OK && text->failed ? KN_ENOMEM : status;

@@ -5,34 +5,34 @@
 
 #include "io/step_write.h"
 
-enum { KN_STEP_NAME_BYTES = KN_NAME_BYTES + 96 };
+// One variable of a surface: distinct knots and how often each occurs.
+typedef struct kn_step_axis {
+    int degree, n; // n control points
+    int nbreaks;
+    const int *times;
+    const double *breaks;
+} kn_step_axis;
 
 typedef struct kn_step_net {
-    int nr, nt, n; // control points along r, along t, together
+    kn_step_axis axis[2];
+    int n; // control points
     bool rational;
     const double *point; // n times x, y, z in mm, weight
-    uint64_t first; // numbers: the points, then the surface, 4 curves, 4 vertices, 4 edges, 4 oriented edges, ...
     double same;
-    int vertex[4];     // the corner whose vertex a corner uses
-    bool collapsed[4]; // an edge that is a point
-    int curve[4];      // the edge whose curve an edge uses: not its own across the seam of a closed patch
+    bool closed[2]; // in each variable
 } kn_step_net;
 
-// Number `offset` after the points.
-uint64_t kn_step_number(const kn_step_net *f, int offset);
-// Scaled and projected points; *largest receives the largest coordinate.
-kn_status kn_step_load(kn_ctx *ctx, double *point, double *largest, const kn_bezier *b, double mm);
-double kn_step_same(double largest); // points nearer than this are one
-bool kn_step_weights_differ(const kn_bezier *b);
-void kn_step_find_topology(kn_step_net *f);
-void kn_step_put_points(kn_text *text, const kn_step_net *f);
-void kn_step_put_surface(kn_text *text, const kn_step_net *f);
+// "#k=" with a number that counts from the patch.
+void kn_step_put_relative(kn_text *text, uint32_t k);
+// *net of a patch's bezier, or of its spline, in scratch: scaled and projected points.
+kn_status kn_step_load(kn_ctx *ctx, kn_step_net *net, const kn_patch *patch, double mm);
+double kn_step_same(double largest);                           // points nearer than this are one
+void kn_step_put_points(kn_text *text, const kn_step_net *f);  // numbers 0 .. n - 1
+void kn_step_put_surface(kn_text *text, const kn_step_net *f); // number n
 void kn_step_put_logical(kn_text *text, bool value);
-void kn_step_name(char name[KN_STEP_NAME_BYTES], const kn_patch_id *id, const char *part);
+void kn_step_put_knots(kn_text *text, const kn_step_axis *x, bool times); // "(..)": multiplicities, or the knots
 
 // ---- step_trimmed.c ----
-kn_status kn_step_put_trimmed(kn_text *text, const kn_patch *patch, const char *part, uint64_t first, double mm);
-// Numbers that a trimmed face needs beyond those of a plain one, at most.
-uint64_t kn_step_trim_room(const kn_job_report *report);
+kn_status kn_step_put_trimmed(kn_text *text, kn_step_item *item, const kn_patch *patch, const char *part, double mm);
 
 #endif

@@ -80,14 +80,19 @@ static void put_link(kn_text *text, uint64_t number, const char *before, const c
     kn_text_newline(text);
 }
 
-void kn_step_put_style(kn_text *text, const kn_material *material, uint64_t first)
+void kn_step_put_styled(kn_text *text, uint64_t number, uint64_t first, uint64_t item)
 {
-    kn_step_put_number(text, first + 2);
+    kn_step_put_number(text, number);
     kn_text_put(text, "STYLED_ITEM('',(");
     kn_text_reference(text, first + 3);
     kn_text_put(text, "),");
-    kn_text_reference(text, first + 1);
-    kn_text_put(text, ");\n");
+    kn_text_reference(text, item);
+    kn_text_put(text, ");");
+    kn_text_newline(text);
+}
+
+void kn_step_put_style(kn_text *text, const kn_material *material, uint64_t first)
+{
     put_link(text, first + 3, "PRESENTATION_STYLE_ASSIGNMENT((", "));");
     put_link(text, first + 4, "SURFACE_STYLE_USAGE(.BOTH.,", ");");
     put_link(text, first + 5, "SURFACE_SIDE_STYLE('',(", "));");

@@ -25,7 +25,7 @@ typedef struct edge {
     double *space; // x, y, z, weight
     int n, points, degree;
     bool collapsed;
-    uint64_t first;
+    uint32_t first;
     int vertex; // of the curve whose first point is its start
 } edge;
 
@@ -60,15 +60,6 @@ static int space_points(const kn_patch *patch, const kn_spline *c)
 {
     int v;
     return on_border(c, &v) ? patch->bezier.degree[v] + 1 : 3 * (plane_points(c) - 1) + 1;
-}
-
-// A curve of k spans has k + 1 points in the plane and 3 k + 1 in space, or those of an edge of the patch.
-uint64_t kn_step_trim_room(const kn_job_report *report)
-{
-    if (report->trim_curves == 0) return 0;
-    int degree = report->degree[0] > report->degree[1] ? report->degree[0] : report->degree[1];
-    uint64_t each = CURVE_NUMBERS + LOOP_NUMBERS + 3 + (uint64_t)degree;
-    return FACE_NUMBERS + each * report->trim_curves + 4 * report->trim_spans;
 }
 
 // ---- geometry ----
@@ -168,9 +159,9 @@ static void join_vertices(trimmed *t)
 
 // ---- text ----
 
-static void put_point(kn_text *text, uint64_t number, const double *p, int dim)
+static void put_point(kn_text *text, uint32_t number, const double *p, int dim)
 {
-    kn_step_put_number(text, number);
+    kn_step_put_relative(text, number);
     kn_text_put(text, "CARTESIAN_POINT('',(");
     for (int c = 0; c < dim; c++) {
         if (c > 0) kn_text_char(text, ',');
@@ -180,12 +171,12 @@ static void put_point(kn_text *text, uint64_t number, const double *p, int dim)
     kn_text_newline(text);
 }
 
-static void put_list(kn_text *text, uint64_t first, int n)
+static void put_list(kn_text *text, uint32_t first, int n)
 {
     kn_text_char(text, '(');
     for (int k = 0; k < n; k++) {
         if (k > 0) kn_text_comma(text);
-        kn_text_reference(text, first + (uint64_t)k);
+        kn_text_relative(text, first + (uint32_t)k);
     }
     kn_text_char(text, ')');
 }
@@ -206,13 +197,13 @@ static void put_knots(kn_text *text, int degree, int spans)
     kn_text_put(text, "),.UNSPECIFIED.");
 }
 
-static void put_space_curve(const trimmed *t, const edge *e, uint64_t number, uint64_t points)
+static void put_space_curve(const trimmed *t, const edge *e, uint32_t number, uint32_t points)
 {
     kn_text *text = t->text;
     bool rational = false;
     for (int k = 1; k < e->points; k++) rational = rational || e->space[4 * k + 3] != e->space[3];
     int spans = (e->points - 1) / e->degree;
-    kn_step_put_number(text, number);
+    kn_step_put_relative(text, number);
     kn_text_put(text, rational ? "(BOUNDED_CURVE()B_SPLINE_CURVE(" : "B_SPLINE_CURVE_WITH_KNOTS('',");
     kn_text_integer(text, (uint64_t)e->degree);
     kn_text_char(text, ',');
@@ -231,13 +222,13 @@ static void put_space_curve(const trimmed *t, const edge *e, uint64_t number, ui
     kn_text_newline(text);
 }
 
-// "#n=" and the form, whose every '#' is the next one of the references.
-static void put_form(kn_text *text, uint64_t number, const char *form, const uint64_t *references)
+// Its number and the form, whose every '#' is the next one of the references.
+static void put_form(kn_text *text, uint32_t number, const char *form, const uint32_t *references)
 {
-    kn_step_put_number(text, number);
+    kn_step_put_relative(text, number);
     for (; *form; form++) {
         if (*form == '#')
-            kn_text_reference(text, *references++);
+            kn_text_relative(text, *references++);
         else
             kn_text_char(text, *form);
     }
@@ -246,26 +237,26 @@ static void put_form(kn_text *text, uint64_t number, const char *form, const uin
 
 // first + 0 vertex, 1 curve in space, 2 curve in the plane, 3 representation, 4 pcurve, 5 surface curve, 6 edge,
 // 7 oriented edge; then the points.
-static void put_edge(const trimmed *t, const edge *e, uint64_t from, uint64_t to, uint64_t context)
+static void put_edge(const trimmed *t, const edge *e, uint32_t from, uint32_t to, uint32_t context)
 {
     kn_text *text = t->text;
-    uint64_t f = e->first, points = f + CURVE_NUMBERS, plane = points + (uint64_t)e->points;
-    for (int k = 0; k < e->points; k++) put_point(text, points + (uint64_t)k, e->space + 4 * k, 3);
-    for (int k = 0; k < e->n; k++) put_point(text, plane + (uint64_t)k, e->plane[k], 2);
-    put_form(text, f, "VERTEX_POINT('',#);", (uint64_t[]){points});
+    uint32_t f = e->first, points = f + CURVE_NUMBERS, plane = points + (uint32_t)e->points;
+    for (int k = 0; k < e->points; k++) put_point(text, points + (uint32_t)k, e->space + 4 * k, 3);
+    for (int k = 0; k < e->n; k++) put_point(text, plane + (uint32_t)k, e->plane[k], 2);
+    put_form(text, f, "VERTEX_POINT('',#);", (uint32_t[]){points});
     put_space_curve(t, e, f + 1, points);
-    kn_step_put_number(text, f + 2);
+    kn_step_put_relative(text, f + 2);
     kn_text_put(text, "B_SPLINE_CURVE_WITH_KNOTS('',1,");
     put_list(text, plane, e->n);
     kn_text_put(text, ",.UNSPECIFIED.,.F.,.F.,");
     put_knots(text, 1, e->n - 1);
     kn_text_put(text, ");");
     kn_text_newline(text);
-    put_form(text, f + 3, "DEFINITIONAL_REPRESENTATION('',(#),#);", (uint64_t[]){f + 2, context});
-    put_form(text, f + 4, "PCURVE('',#,#);", (uint64_t[]){kn_step_number(&t->net, 0), f + 3});
-    put_form(text, f + 5, "SURFACE_CURVE('',#,(#),.CURVE_3D.);", (uint64_t[]){f + 1, f + 4});
-    put_form(text, f + 6, "EDGE_CURVE('',#,#,#,.T.);", (uint64_t[]){from, to, f + 5});
-    put_form(text, f + 7, "ORIENTED_EDGE('',*,*,#,.T.);", (uint64_t[]){f + 6});
+    put_form(text, f + 3, "DEFINITIONAL_REPRESENTATION('',(#),#);", (uint32_t[]){f + 2, context});
+    put_form(text, f + 4, "PCURVE('',#,#);", (uint32_t[]){(uint32_t)t->net.n, f + 3});
+    put_form(text, f + 5, "SURFACE_CURVE('',#,(#),.CURVE_3D.);", (uint32_t[]){f + 1, f + 4});
+    put_form(text, f + 6, "EDGE_CURVE('',#,#,#,.T.);", (uint32_t[]){from, to, f + 5});
+    put_form(text, f + 7, "ORIENTED_EDGE('',*,*,#,.T.);", (uint32_t[]){f + 6});
 }
 
 static double area_of(const trimmed *t, int first, int last)
@@ -280,22 +271,22 @@ static double area_of(const trimmed *t, int first, int last)
 }
 
 // bound: the number of the loop's FACE_BOUND; the loop is the next one.
-static void put_loop(const trimmed *t, int first, int last, uint64_t context, uint64_t bound)
+static void put_loop(const trimmed *t, int first, int last, uint32_t context, uint32_t bound)
 {
     kn_text *text = t->text;
     int n = last - first;
     for (int k = 0; k < n; k++) {
         const edge *e = &t->edges[first + k];
-        uint64_t from = t->edges[e->vertex].first, to = t->edges[t->edges[first + (k + 1) % n].vertex].first;
+        uint32_t from = t->edges[e->vertex].first, to = t->edges[t->edges[first + (k + 1) % n].vertex].first;
         if (!e->collapsed) put_edge(t, e, from, to, context);
     }
     bool written = false;
-    kn_step_put_number(text, bound + 1);
+    kn_step_put_relative(text, bound + 1);
     kn_text_put(text, "EDGE_LOOP('',(");
     for (int k = first; k < last; k++) {
         if (t->edges[k].collapsed) continue;
         if (written) kn_text_comma(text);
-        kn_text_reference(text, t->edges[k].first + 7);
+        kn_text_relative(text, t->edges[k].first + 7);
         written = true;
     }
     kn_text_put(text, "));");
@@ -304,21 +295,21 @@ static void put_loop(const trimmed *t, int first, int last, uint64_t context, ui
              area_of(t, first, last) > 0.0
                  ? (t->patch->reversed ? "FACE_OUTER_BOUND('',#,.F.);" : "FACE_OUTER_BOUND('',#,.T.);")
                  : (t->patch->reversed ? "FACE_BOUND('',#,.F.);" : "FACE_BOUND('',#,.T.);"),
-             (uint64_t[]){bound + 1});
+             (uint32_t[]){bound + 1});
 }
 
 // ---- the face ----
 
-static void put_all(trimmed *t, const char *part)
+static uint32_t put_all(trimmed *t, const char *part)
 {
     kn_text *text = t->text;
     const kn_trim *trim = t->patch->trim;
     char name[KN_STEP_NAME_BYTES];
-    uint64_t context = kn_step_number(&t->net, KN_STEP_FACE_NUMBERS), bounds = context + FACE_NUMBERS;
-    uint64_t next = bounds + LOOP_NUMBERS * (uint64_t)trim->nloops;
+    uint32_t context = (uint32_t)t->net.n + KN_STEP_FACE_NUMBERS, bounds = context + FACE_NUMBERS;
+    uint32_t next = bounds + LOOP_NUMBERS * (uint32_t)trim->nloops;
     for (int k = 0; k < trim->ncurves; k++) {
         t->edges[k].first = next;
-        next += CURVE_NUMBERS + (uint64_t)t->edges[k].points + (uint64_t)t->edges[k].n;
+        next += CURVE_NUMBERS + (uint32_t)t->edges[k].points + (uint32_t)t->edges[k].n;
     }
     join_vertices(t);
     kn_step_put_points(text, &t->net);
@@ -328,44 +319,42 @@ static void put_all(trimmed *t, const char *part)
              "REPRESENTATION_CONTEXT('2D SPACE',''));",
              NULL);
     for (int i = 0, first = 0; i < trim->nloops; first = trim->loop_end[i++])
-        put_loop(t, first, trim->loop_end[i], context, bounds + LOOP_NUMBERS * (uint64_t)i);
-    kn_step_name(name, &t->patch->id, part);
-    kn_step_put_number(text, kn_step_number(&t->net, KN_STEP_FACE_NUMBERS - 1));
+        put_loop(t, first, trim->loop_end[i], context, bounds + LOOP_NUMBERS * (uint32_t)i);
+    kn_step_name(name, &t->patch->id, part, true);
+    kn_step_put_relative(text, (uint32_t)t->net.n + KN_STEP_FACE_NUMBERS - 1);
     kn_text_put(text, "ADVANCED_FACE(");
     kn_text_step_string(text, name);
     kn_text_put(text, ",(");
     for (int i = 0; i < trim->nloops; i++) {
         if (i > 0) kn_text_comma(text);
-        kn_text_reference(text, bounds + LOOP_NUMBERS * (uint64_t)i);
+        kn_text_relative(text, bounds + LOOP_NUMBERS * (uint32_t)i);
     }
     kn_text_put(text, "),");
-    kn_text_reference(text, kn_step_number(&t->net, 0));
+    kn_text_relative(text, (uint32_t)t->net.n);
     kn_text_put(text, t->patch->reversed ? ",.F.);" : ",.T.);");
     kn_text_newline(text);
+    return next;
 }
 
-kn_status kn_step_put_trimmed(kn_text *text, const kn_patch *patch, const char *part, uint64_t first, double mm)
+kn_status kn_step_put_trimmed(kn_text *text, kn_step_item *item, const kn_patch *patch, const char *part, double mm)
 {
     kn_ctx *ctx = text->ctx;
     const kn_bezier *b = &patch->bezier;
     kn_bezier surface = {0};
     trimmed t = {.text = text, .patch = patch, .surface = &surface};
     kn_mark mark = kn_scratch_mark(ctx);
-    double *point = kn_scratch(ctx, 4 * kn_bezier_count(b), sizeof *point), largest = 0.0;
     t.edges = kn_scratch(ctx, (size_t)patch->trim->ncurves, sizeof *t.edges);
-    kn_status status = point && t.edges ? kn_step_load(ctx, point, &largest, b, mm) : KN_ENOMEM;
+    kn_status status = t.edges ? kn_step_load(ctx, &t.net, patch, mm) : KN_ENOMEM;
     if (status == KN_OK) status = kn_bezier_scale(ctx, &surface, b, mm);
-    if (status == KN_OK) {
-        t.net = (kn_step_net){.nr = b->degree[0] + 1, .nt = b->degree[1] + 1, .point = point, .first = first};
-        t.net.rational = kn_step_weights_differ(b);
-        t.net.n = t.net.nr * t.net.nt;
-        t.net.same = kn_step_same(largest);
-        kn_step_find_topology(&t.net);
-        memset(t.edges, 0, (size_t)patch->trim->ncurves * sizeof *t.edges);
-    }
+    if (status == KN_OK) memset(t.edges, 0, (size_t)patch->trim->ncurves * sizeof *t.edges);
     for (int k = 0; status == KN_OK && k < patch->trim->ncurves; k++)
         status = make_edge(ctx, &t, &t.edges[k], &patch->trim->curves[k]);
-    if (status == KN_OK) put_all(&t, part);
+    if (status == KN_OK) {
+        item->kind = KN_STEP_TRIMMED;
+        item->numbers = put_all(&t, part);
+        item->main = (uint32_t)t.net.n + KN_STEP_FACE_NUMBERS - 1;
+        item->text_end = text->bytes;
+    }
     kn_bezier_clear(ctx, &surface);
     kn_scratch_release(ctx, mark);
     return status == KN_OK && text->failed ? KN_ENOMEM : status;

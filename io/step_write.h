@@ -1,16 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 // Inside io: the pieces of a STEP AP214 file (ISO 10303-21, 10303-214) and its numbering.
 //
-// Entity numbers are arithmetic in the place of a patch, so that any thread can write any patch without knowing the
-// others; numbers that a patch does not need stay unused, which the format allows.
+// Threads write what belongs to one patch alone, with numbers that count from the patch (kn_text_relative): points,
+// surface, curves of its edges. Then, in the job's order, patch after patch gets its numbers, the edges that it shares
+// with earlier ones are found (brep.h), and what they have in common is written once.
 //     1 .. 21                    context, units, product, representations
-//     100 + 16 p ..              shell, surface model and colour of part p
-//     KN_STEP_PARTS + 16 nparts  + stride * place: the patches
+//     100 + 16 p ..              surface model and colour of look p
+//     KN_STEP_PARTS + 16 nparts  all else, in the order of the file
 #ifndef IO_STEP_WRITE_H
 #define IO_STEP_WRITE_H
 
 #include <knurl/job.h>
 
+#include "io/brep.h"
 #include "io/text_buffer.h"
 
 enum {
@@ -18,24 +20,52 @@ enum {
     KN_STEP_PLACEMENT = 19,
     KN_STEP_REPRESENTATION = 20,
     KN_STEP_PRESENTATION = 21,
-    KN_STEP_PARTS = 100,       // the first number of part 0
-    KN_STEP_PART_NUMBERS = 16, // of each part: the shell first, its surface model next, then its colour
-    KN_STEP_FACE_NUMBERS = 20  // of each patch, beyond one for each control point; the last is the face
+    KN_STEP_PARTS = 100,       // the first number of look 0
+    KN_STEP_PART_NUMBERS = 16, // of each look: its surface model first, then its colour
+    KN_STEP_FACE_NUMBERS = 20  // of a trimmed patch, beyond one for each control point; the last is the face
 };
+
+typedef enum kn_step_kind {
+    KN_STEP_FACE,    // a plain one, to be joined with its neighbours
+    KN_STEP_TRIMMED, // whole in its text
+    KN_STEP_CURVE,
+} kn_step_kind;
+
+// What a thread wrote of one face or curve. Its text: from text_begin to text_end, then, of a plain
+// face, the four edges' curves, without "#n=", each up to curve_end[e].
+typedef struct kn_step_item {
+    kn_step_kind kind;
+    int look;
+    kn_patch_id id;
+    bool reversed;
+    size_t text_begin, text_end, curve_end[4];
+    uint32_t numbers; // that the text uses, from 0 on
+    uint32_t main;    // the number of the plain face's surface; of the trimmed face, of the curve
+    // The edges of a plain face that are no points, in the order of its loop; corner point of each vertex.
+    int nedges;
+    int edge[4];   // which of the four
+    bool along[4]; // the loop runs along the curve
+    kn_brep_edge edges[4];
+    uint32_t corner[4][2];
+    kn_brep_key pair[4][2];
+    int npairs;
+} kn_step_item;
 
 // The header section and everything that does not depend on the patches.
 void kn_step_put_header(kn_text *text, const char *product, const char *time_stamp, double uncertainty_mm);
-// What patch needs for a face of its own, numbered from `first`: points in millimetres, surface, boundary, face.
+// Appends patch's points in millimetres, surface and curves, and says in *item how they are to be joined; a trimmed
+// patch's whole face; a curve's points and the curve.
 // fails: KN_EUNDEFINED (a weight that is not positive, a control point that is not finite), KN_ENOMEM.
-KN_CHECKED kn_status kn_step_put_face(kn_text *text, const kn_patch *patch, const char *part, uint64_t first,
+KN_CHECKED kn_status kn_step_put_face(kn_text *text, kn_step_item *item, const kn_patch *patch, const char *part,
                                       double mm);
-// A curve's points in millimetres, and the curve, which has the number that a face would have (kn_step_face).
-// fails: as kn_step_put_face.
-KN_CHECKED kn_status kn_step_put_curve(kn_text *text, const kn_patch *patch, uint64_t first, double mm);
-// How many control points a patch has, and from this which number its face gets when numbered from `first`.
-uint64_t kn_step_face(const kn_bezier *b, uint64_t first);
-// The colour of the part whose numbers start at `first`.
+KN_CHECKED kn_status kn_step_put_curve(kn_text *text, kn_step_item *item, const kn_patch *patch, double mm);
+// "s0 c3,4 ring", and for a face " 12" or " 12.1".
+enum { KN_STEP_NAME_BYTES = KN_NAME_BYTES + 96 };
+void kn_step_name(char name[KN_STEP_NAME_BYTES], const kn_patch_id *id, const char *part, bool face);
+// The colour of a look, whose numbers start at `first`: first + 3 is the style.
 void kn_step_put_style(kn_text *text, const kn_material *material, uint64_t first);
+// "#number=STYLED_ITEM" of something in the style of a look.
+void kn_step_put_styled(kn_text *text, uint64_t number, uint64_t first, uint64_t item);
 // "#n=" of an entity.
 void kn_step_put_number(kn_text *text, uint64_t n);
 

@@ -6,7 +6,7 @@
 
 #include <string.h>
 
-enum { FIRST_ROOM = 4096, LINE_BYTES = 100 };
+enum { FIRST_ROOM = 4096, LINE_BYTES = 100, RELATIVE = 1, RELATIVE_BYTES = 5 }; // no text has a character 1
 
 void kn_text_clear(kn_text *text)
 {
@@ -58,6 +58,29 @@ void kn_text_reference(kn_text *text, uint64_t n)
 {
     kn_text_char(text, '#');
     kn_text_integer(text, n);
+}
+
+void kn_text_relative(kn_text *text, uint32_t offset)
+{
+    char *to = reserve(text, RELATIVE_BYTES);
+    if (to == NULL) return;
+    to[0] = RELATIVE;
+    memcpy(to + 1, &offset, sizeof offset);
+    text->bytes += RELATIVE_BYTES;
+}
+
+void kn_text_expand(kn_text *text, const char *data, size_t bytes, uint64_t base)
+{
+    const char *end = data + bytes;
+    while (data < end) {
+        const char *at = memchr(data, RELATIVE, (size_t)(end - data));
+        kn_text_bytes(text, data, (size_t)((at != NULL ? at : end) - data));
+        if (at == NULL) return;
+        uint32_t offset;
+        memcpy(&offset, at + 1, sizeof offset);
+        kn_text_reference(text, base + offset);
+        data = at + RELATIVE_BYTES;
+    }
 }
 
 void kn_text_step_real(kn_text *text, double x)

@@ -22,6 +22,10 @@ void kn_text_char(kn_text *text, char c);
 void kn_text_integer(kn_text *text, uint64_t n);
 // "#n", a reference in a STEP file.
 void kn_text_reference(kn_text *text, uint64_t n);
+// A reference to a number that is not known yet: to be counted from the base that kn_text_expand is told.
+void kn_text_relative(kn_text *text, uint32_t offset);
+// Appends bytes of a text, its relative references as "#base+offset".
+void kn_text_expand(kn_text *text, const char *data, size_t bytes, uint64_t base);
 // As kn_decimal_step and kn_decimal_plain.
 void kn_text_step_real(kn_text *text, double x);
 void kn_text_plain_real(kn_text *text, double x, int significant);

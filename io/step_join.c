@@ -1,0 +1,399 @@
+// SPDX-License-Identifier: Apache-2.0
+// Faces of a STEP file with the edges and vertices that they share; bodies that are closed become solids at once.
+#include "io/step_join.h"
+
+#include "kernel/context.h"
+
+#include <limits.h>
+#include <string.h>
+
+enum { LONG_TEXT = 1 << 20 };
+
+static uint64_t look_number(int look)
+{
+    return KN_STEP_PARTS + KN_STEP_PART_NUMBERS * (uint64_t)look;
+}
+
+// "#number=" and the form, whose every '#' is the next one of the references.
+static void put_form(kn_text *text, uint64_t number, const char *form, const uint64_t *references)
+{
+    kn_step_put_number(text, number);
+    for (const char *at = strchr(form, '#'); at != NULL; at = strchr(form, '#')) {
+        kn_text_bytes(text, form, (size_t)(at - form));
+        kn_text_reference(text, *references++);
+        form = at + 1;
+    }
+    kn_text_put(text, form);
+    kn_text_newline(text);
+}
+
+// ---- life ----
+
+kn_status kn_step_join_begin(kn_ctx *ctx, kn_step_join *j, const kn_tile *tile)
+{
+    j->looks = kn_alloc_zero(ctx, (size_t)tile->nparts, sizeof *j->looks);
+    if (j->looks == NULL) return KN_ENOMEM;
+    j->nlooks = tile->nparts;
+    for (int i = 0; i < tile->nparts; i++) {
+        memcpy(j->looks[i].name, tile->parts[i].name, sizeof j->looks[i].name);
+        j->looks[i].name[KN_NAME_BYTES - 1] = '\0';
+        j->looks[i].material = tile->parts[i].material;
+        j->looks[i].loose = j->looks[i].curves = KN_BREP_NONE;
+    }
+    j->next = look_number(tile->nparts);
+    kn_status status = kn_brep_create(ctx, &j->brep);
+    if (status == KN_OK) status = kn_brep_open(ctx, j->brep, &j->solids);
+    if (status == KN_OK) status = kn_brep_open(ctx, j->brep, &j->styled);
+    return status;
+}
+
+void kn_step_join_clear(kn_ctx *ctx, kn_step_join *j)
+{
+    kn_brep_destroy(ctx, j->brep);
+    kn_free(ctx, j->looks);
+    *j = (kn_step_join){0};
+}
+
+// ---- bodies ----
+
+// "(#1,#2,..)" of a body's faces.
+static kn_status put_faces(const kn_brep *brep, int body, kn_text *out, kn_status (*put)(void *user, kn_text *out),
+                           void *user)
+{
+    kn_status status = KN_OK;
+    kn_brep_walk walk = kn_brep_faces(brep, body);
+    for (bool first = true; status == KN_OK && kn_brep_step(brep, &walk); first = false) {
+        if (!first) kn_text_comma(out);
+        kn_text_reference(out, walk.number);
+        if (put != NULL && out->bytes > LONG_TEXT) status = put(user, out);
+    }
+    return status;
+}
+
+static kn_status style(kn_ctx *ctx, kn_step_join *j, kn_text *out, uint64_t item, int look)
+{
+    j->looks[look].used = true;
+    kn_step_put_styled(out, j->next, look_number(look), item);
+    j->nstyled++;
+    return kn_brep_append(ctx, j->brep, j->styled, j->next++, 0);
+}
+
+// The item, or where its faces have several looks each of them.
+static kn_status style_body(kn_ctx *ctx, kn_step_join *j, kn_text *out, uint64_t item, int body)
+{
+    int look = kn_brep_look(j->brep, body);
+    if (look != KN_BREP_NONE) return style(ctx, j, out, item, look);
+    kn_status status = KN_OK;
+    kn_brep_walk walk = kn_brep_faces(j->brep, body);
+    while (status == KN_OK && kn_brep_step(j->brep, &walk)) status = style(ctx, j, out, walk.number, walk.look);
+    return status;
+}
+
+static kn_status put_solid(kn_ctx *ctx, kn_step_join *j, kn_text *out, const kn_step_item *item, int body)
+{
+    char name[KN_STEP_NAME_BYTES];
+    uint64_t shell = j->next, solid = j->next + 1;
+    j->next += 2;
+    kn_step_put_number(out, shell);
+    kn_text_put(out, "CLOSED_SHELL('',(");
+    kn_status status = put_faces(j->brep, body, out, NULL, NULL);
+    kn_text_put(out, "));\n");
+    kn_step_put_number(out, solid);
+    kn_text_put(out, "MANIFOLD_SOLID_BREP(");
+    kn_step_name(name, &item->id, j->looks[item->look].name, false);
+    kn_text_step_string(out, name);
+    kn_text_char(out, ',');
+    kn_text_reference(out, shell);
+    kn_text_put(out, ");");
+    kn_text_newline(out);
+    if (status == KN_OK) status = kn_brep_append(ctx, j->brep, j->solids, solid, 0);
+    if (status == KN_OK) status = style_body(ctx, j, out, solid, body);
+    j->nsolids++;
+    kn_brep_drop(j->brep, body);
+    return status;
+}
+
+// ---- items ----
+
+static void put_edges(kn_step_join *j, kn_text *out, const kn_step_item *item, const kn_brep_name *names,
+                      uint64_t base, const char *data)
+{
+    for (int i = 0; i < item->nedges; i++) {
+        int e = item->edge[i];
+        for (int k = 0; k < 2; k++)
+            if (names[i].new_vertex[k])
+                put_form(out, names[i].vertex[k], "VERTEX_POINT('',#);", (uint64_t[]){base + item->corner[i][k]});
+        if (!names[i].new_edge) continue;
+        size_t from = e > 0 ? item->curve_end[e - 1] : item->text_end;
+        kn_step_put_number(out, names[i].edge - 1);
+        kn_text_expand(out, data + from, item->curve_end[e] - from, base);
+        put_form(out, names[i].edge, "EDGE_CURVE('',#,#,#,.T.);",
+                 (uint64_t[]){names[i].vertex[0], names[i].vertex[1], names[i].edge - 1});
+    }
+    for (int i = 0; i < item->nedges; i++)
+        put_form(out, j->next + (uint64_t)i,
+                 item->along[i] ? "ORIENTED_EDGE('',*,*,#,.T.);" : "ORIENTED_EDGE('',*,*,#,.F.);",
+                 (uint64_t[]){names[i].edge});
+}
+
+// Number of the loop: edges in order, or, where the whole boundary is a point, that.
+static uint64_t put_loop(kn_step_join *j, kn_text *out, const kn_step_item *item, const kn_brep_name *names,
+                         uint64_t base, const char *data)
+{
+    if (item->nedges == 0) {
+        put_form(out, j->next, "VERTEX_POINT('',#);", (uint64_t[]){base});
+        put_form(out, j->next + 1, "VERTEX_LOOP('',#);", (uint64_t[]){j->next});
+        j->next += 2;
+        return j->next - 1;
+    }
+    put_edges(j, out, item, names, base, data);
+    uint64_t first = j->next, n = (uint64_t)item->nedges;
+    kn_step_put_number(out, first + n);
+    kn_text_put(out, "EDGE_LOOP('',(");
+    for (uint64_t i = 0; i < n; i++) {
+        if (i > 0) kn_text_char(out, ',');
+        kn_text_reference(out, first + i);
+    }
+    kn_text_put(out, "));");
+    kn_text_newline(out);
+    j->next += n + 1;
+    return first + n;
+}
+
+// The loop runs counterclockwise about r x t. A reversed patch turns both the face and the loop over.
+static void put_face(kn_step_join *j, kn_text *out, const kn_step_item *item, uint64_t base, uint64_t loop)
+{
+    char name[KN_STEP_NAME_BYTES];
+    const char *sense = item->reversed ? ".F.);" : ".T.);";
+    kn_step_name(name, &item->id, j->looks[item->look].name, true);
+    kn_step_put_number(out, j->next);
+    kn_text_put(out, "FACE_OUTER_BOUND('',");
+    kn_text_reference(out, loop);
+    kn_text_char(out, ',');
+    kn_text_put(out, sense);
+    kn_text_newline(out);
+    kn_step_put_number(out, j->next + 1);
+    kn_text_put(out, "ADVANCED_FACE(");
+    kn_text_step_string(out, name);
+    kn_text_put(out, ",(");
+    kn_text_reference(out, j->next);
+    kn_text_put(out, "),");
+    kn_text_reference(out, base + item->main);
+    kn_text_char(out, ',');
+    kn_text_put(out, sense);
+    kn_text_newline(out);
+    j->next += 2;
+}
+
+// A number in a list of its look.
+static kn_status list(kn_ctx *ctx, kn_step_join *j, int *body, uint64_t number, int look)
+{
+    kn_status status = *body == KN_BREP_NONE ? kn_brep_open(ctx, j->brep, body) : KN_OK;
+    return status == KN_OK ? kn_brep_append(ctx, j->brep, *body, number, look) : status;
+}
+
+kn_status kn_step_join_item(kn_ctx *ctx, kn_step_join *j, kn_text *out, const kn_step_item *item, const char *data)
+{
+    kn_brep_name names[4];
+    kn_step_look *look = &j->looks[item->look];
+    kn_status status = KN_OK;
+    uint64_t base = j->next;
+    j->next += item->numbers;
+    size_t begin = item->text_begin;
+    kn_text_expand(out, data + begin, item->text_end - begin, base);
+    if (item->kind == KN_STEP_CURVE) {
+        status = list(ctx, j, &look->curves, base + item->main, item->look);
+        j->ncurves++;
+    } else if (item->kind == KN_STEP_TRIMMED) {
+        status = list(ctx, j, &look->loose, base + item->main, item->look);
+    } else {
+        int closed = KN_BREP_NONE;
+        if (item->nedges > 0)
+            status = kn_brep_add(ctx, j->brep, item->edges, item->nedges, item->pair, item->npairs, &j->next, names);
+        if (status != KN_OK) return status;
+        uint64_t loop = put_loop(j, out, item, names, base, data);
+        put_face(j, out, item, base, loop);
+        status = item->nedges > 0 ? kn_brep_end_face(ctx, j->brep, j->next - 1, item->look, &closed)
+                                  : list(ctx, j, &look->loose, j->next - 1, item->look);
+        if (status == KN_OK && closed != KN_BREP_NONE) status = put_solid(ctx, j, out, item, closed);
+    }
+    if (status == KN_OK && j->next > INT_MAX)
+        return kn_fail(ctx, KN_ELIMIT, "STEP: the patches need entity numbers beyond %d", INT_MAX);
+    return status == KN_OK && out->failed ? KN_ENOMEM : status;
+}
+
+// ---- the end ----
+
+typedef struct shell {
+    uint64_t number;
+    int look;
+} shell;
+
+static bool is_list(const kn_step_join *j, int body)
+{
+    bool is = body == j->solids || body == j->styled;
+    for (int i = 0; i < j->nlooks; i++) is = is || body == j->looks[i].curves;
+    return is;
+}
+
+// An open shell for each body that is not closed.
+static kn_status put_shells(kn_ctx *ctx, kn_step_join *j, kn_text *out, shell **shells,
+                            kn_status (*put)(void *user, kn_text *out), void *user)
+{
+    size_t room = 0;
+    kn_status status = KN_OK;
+    for (int body = KN_BREP_NONE; status == KN_OK && kn_brep_next_body(j->brep, &body);) {
+        if (is_list(j, body)) continue;
+        if (j->nshells == room) {
+            room = room > 0 ? 2 * room : 16;
+            shell *more = kn_resize(ctx, *shells, room, sizeof *more);
+            if (more == NULL) return KN_ENOMEM;
+            *shells = more;
+        }
+        int look = kn_brep_look(j->brep, body);
+        (*shells)[j->nshells++] = (shell){j->next, look};
+        kn_step_put_number(out, j->next++);
+        kn_text_put(out, "OPEN_SHELL(");
+        kn_text_step_string(out, look != KN_BREP_NONE ? j->looks[look].name : "");
+        kn_text_put(out, ",(");
+        status = put_faces(j->brep, body, out, put, user);
+        kn_text_put(out, "));\n");
+        if (status == KN_OK && look == KN_BREP_NONE) status = style_body(ctx, j, out, 0, body);
+    }
+    return status;
+}
+
+// One surface model of all shells of a look, the last one of those that have several. *written: number, or 0.
+static kn_status put_model(kn_step_join *j, kn_text *out, const shell *shells, int look, uint64_t number,
+                           bool *written, kn_status (*put)(void *user, kn_text *out), void *user)
+{
+    kn_status status = KN_OK;
+    *written = false;
+    for (uint64_t i = 0; i < j->nshells && status == KN_OK; i++) {
+        if (shells[i].look != look) continue;
+        if (!*written) {
+            kn_step_put_number(out, number);
+            kn_text_put(out, "SHELL_BASED_SURFACE_MODEL(");
+            kn_text_step_string(out, look != KN_BREP_NONE ? j->looks[look].name : "");
+            kn_text_put(out, ",(");
+        } else {
+            kn_text_comma(out);
+        }
+        *written = true;
+        kn_text_reference(out, shells[i].number);
+        if (out->bytes > LONG_TEXT) status = put(user, out);
+    }
+    if (*written) kn_text_put(out, "));\n");
+    return status;
+}
+
+// Curves of a look as a set, numbered behind its surface model.
+static kn_status put_curves(kn_step_join *j, kn_text *out, int look, kn_status (*put)(void *user, kn_text *out),
+                            void *user)
+{
+    kn_step_put_number(out, look_number(look) + 1);
+    kn_text_put(out, "GEOMETRIC_CURVE_SET(");
+    kn_text_step_string(out, j->looks[look].name);
+    kn_text_put(out, ",(");
+    kn_status status = put_faces(j->brep, j->looks[look].curves, out, put, user);
+    kn_text_put(out, "));\n");
+    return status;
+}
+
+static const char *representation(const kn_step_join *j)
+{
+    if (j->ncurves > 0)
+        return j->nsolids + j->nshells > 0 ? "SHAPE_REPRESENTATION"
+                                           : "GEOMETRICALLY_BOUNDED_WIREFRAME_SHAPE_REPRESENTATION";
+    if (j->nsolids > 0) return j->nshells > 0 ? "SHAPE_REPRESENTATION" : "ADVANCED_BREP_SHAPE_REPRESENTATION";
+    return "MANIFOLD_SURFACE_SHAPE_REPRESENTATION";
+}
+
+// "('',(" what is told, then the numbers of a list "),#15);"
+static kn_status put_representation(const kn_step_join *j, kn_text *out, uint64_t number, const char *name,
+                                    const uint64_t *items, int nitems, int body,
+                                    kn_status (*put)(void *user, kn_text *out), void *user)
+{
+    kn_step_put_number(out, number);
+    kn_text_put(out, name);
+    kn_text_put(out, "('',(");
+    for (int i = 0; i < nitems; i++) {
+        if (i > 0) kn_text_comma(out);
+        kn_text_reference(out, items[i]);
+    }
+    kn_brep_walk walk = kn_brep_faces(j->brep, body);
+    if (nitems > 0 && walk.left > 0) kn_text_comma(out);
+    kn_status status = put_faces(j->brep, body, out, put, user);
+    kn_text_put(out, "),");
+    kn_text_reference(out, KN_STEP_GEOMETRY_CONTEXT);
+    kn_text_put(out, ");");
+    kn_text_newline(out);
+    return status;
+}
+
+static kn_status put_end(kn_ctx *ctx, kn_step_join *j, kn_text *out, shell **shells, uint64_t *items,
+                         kn_status (*put)(void *user, kn_text *out), void *user)
+{
+    int nitems = 0;
+    bool written;
+    items[nitems++] = KN_STEP_PLACEMENT;
+    kn_status status = put_shells(ctx, j, out, shells, put, user);
+    for (int i = 0; i < j->nlooks && status == KN_OK; i++) {
+        uint64_t first = look_number(i);
+        status = put_model(j, out, *shells, i, first, &written, put, user);
+        if (written) items[nitems++] = first;
+        if (status == KN_OK && written) status = style(ctx, j, out, first, i);
+        if (status == KN_OK && j->looks[i].curves != KN_BREP_NONE) {
+            items[nitems++] = first + 1;
+            status = put_curves(j, out, i, put, user);
+        }
+        if (j->looks[i].used) kn_step_put_style(out, &j->looks[i].material, first);
+    }
+    if (status == KN_OK) status = put_model(j, out, *shells, KN_BREP_NONE, j->next, &written, put, user);
+    if (status == KN_OK && written) items[nitems++] = j->next++;
+    if (status == KN_OK)
+        status = put_representation(j, out, KN_STEP_REPRESENTATION, representation(j), items, nitems, j->solids, put,
+                                    user);
+    if (status == KN_OK && j->nstyled > 0)
+        status = put_representation(j, out, KN_STEP_PRESENTATION,
+                                    "MECHANICAL_DESIGN_GEOMETRIC_PRESENTATION_REPRESENTATION", NULL, 0, j->styled,
+                                    put, user);
+    return status;
+}
+
+kn_status kn_step_join_end(kn_ctx *ctx, kn_step_join *j, kn_text *out, kn_status (*put)(void *user, kn_text *out),
+                           void *user)
+{
+    shell *shells = NULL;
+    uint64_t *items = kn_alloc(ctx, 2 * (size_t)j->nlooks + 2, sizeof *items);
+    kn_status status = items ? put_end(ctx, j, out, &shells, items, put, user) : KN_ENOMEM;
+    kn_free(ctx, items), kn_free(ctx, shells);
+    return status == KN_OK && out->failed ? KN_ENOMEM : status;
+}
+
+// ---- journals ----
+
+void kn_step_join_save(const kn_step_join *j, kn_state *state)
+{
+    kn_state_put(state, &j->next, sizeof j->next);
+    kn_state_put(state, &j->nsolids, sizeof j->nsolids);
+    kn_state_put(state, &j->nstyled, sizeof j->nstyled);
+    kn_state_put(state, &j->ncurves, sizeof j->ncurves);
+    for (int i = 0; i < j->nlooks; i++) {
+        kn_state_put(state, &j->looks[i].loose, sizeof j->looks[i].loose);
+        kn_state_put(state, &j->looks[i].curves, sizeof j->looks[i].curves);
+        kn_state_put(state, &j->looks[i].used, sizeof j->looks[i].used);
+    }
+    kn_brep_save(j->brep, state);
+}
+
+kn_status kn_step_join_restore(kn_ctx *ctx, kn_step_join *j, kn_state_reader *r)
+{
+    bool good = kn_state_take(r, &j->next, sizeof j->next) && kn_state_take(r, &j->nsolids, sizeof j->nsolids) &&
+                kn_state_take(r, &j->nstyled, sizeof j->nstyled) && kn_state_take(r, &j->ncurves, sizeof j->ncurves);
+    for (int i = 0; i < j->nlooks && good; i++)
+        good = kn_state_take(r, &j->looks[i].loose, sizeof j->looks[i].loose) &&
+               kn_state_take(r, &j->looks[i].curves, sizeof j->looks[i].curves) &&
+               kn_state_take(r, &j->looks[i].used, sizeof j->looks[i].used);
+    return good ? kn_brep_restore(ctx, j->brep, r) : kn_state_fail(ctx, "STEP");
+}

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+// Inside io: what threads wrote of the patches of a STEP file, put together in the job's order.
+#ifndef IO_STEP_JOIN_H
+#define IO_STEP_JOIN_H
+
+#include "io/step_write.h"
+
+typedef struct kn_step_look {
+    char name[KN_NAME_BYTES];
+    kn_material material;
+    int loose, curves; // bodies of the faces that meet nobody, and of the curves; KN_BREP_NONE: none yet
+    bool used;         // something has its style
+} kn_step_look;
+
+typedef struct kn_step_join {
+    kn_brep *brep;
+    uint64_t next; // number that is free
+    kn_step_look *looks;
+    int nlooks;
+    int solids, styled; // lists of numbers
+    uint64_t nsolids, nstyled, nshells, ncurves;
+} kn_step_join;
+
+kn_status kn_step_join_begin(kn_ctx *ctx, kn_step_join *j, const kn_tile *tile);
+void kn_step_join_clear(kn_ctx *ctx, kn_step_join *j);
+// Appends one item to out: data has its text and that of its edges, from the end of the item before it on. Where it
+// closes a body, the solid follows. fails: KN_ENOMEM; KN_ELIMIT numbers that readers do not keep.
+kn_status kn_step_join_item(kn_ctx *ctx, kn_step_join *j, kn_text *out, const kn_step_item *item, const char *data);
+// Shells that are open, curves, styles, the representations. put(user) empties the text where it has become long.
+kn_status kn_step_join_end(kn_ctx *ctx, kn_step_join *j, kn_text *out, kn_status (*put)(void *user, kn_text *out),
+                           void *user);
+void kn_step_join_save(const kn_step_join *j, kn_state *state);
+kn_status kn_step_join_restore(kn_ctx *ctx, kn_step_join *j, kn_state_reader *r);
+
+#endif
