@@ -43,11 +43,12 @@ kn_status kn_slice_append(kn_ctx *ctx, kn_slice_lines *a, const kn_slice_lines *
 typedef struct kn_slice_window {
     kn_slice_options options;
     size_t first, end;
+    double crossing; // between pieces on the two sides of a knot line
 } kn_slice_window;
 // KN_EDOMAIN where options are none.
 kn_status kn_slice_check(kn_ctx *ctx, const kn_slice_options *o);
 // How far apart ends may be that are joined: the option, or what the tolerance and the gap at knot lines ask for.
-double kn_slice_reach(const kn_slice_options *o, double crossing);
+double kn_slice_reach(const kn_slice_window *w);
 // A sink for the window alone: fn gets its layers.
 kn_status kn_slice_window_sink(kn_ctx *ctx, kn_sink *out, const kn_slice_window *window, kn_slice_fn fn, void *user);
 // The planes with lo < z <= hi, where zero counts as above: index from *from to before *to.
@@ -94,6 +95,6 @@ kn_status kn_slice_mesh(kn_ctx *ctx, kn_slice_lines *out, const kn_slice_window 
                         const kn_mesh *mesh);
 // ---- chain.c ---- Joins the pieces of one plane, lines[0 .. n-1], into loops, and gives them to fn.
 kn_status kn_slice_chain(kn_ctx *ctx, const kn_slice_lines *from, const kn_slice_line *lines, size_t n,
-                         const kn_slice_options *o, const kn_slice_note *note, kn_slice_fn fn, void *user);
+                         const kn_slice_window *w, const kn_slice_note *note, kn_slice_fn fn, void *user);
 
 #endif

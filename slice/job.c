@@ -14,7 +14,7 @@ typedef struct work {
     kn_job_slabs **slabs;
     int njobs;
     const kn_slice_options *options;
-    double reach;
+    double crossing;
     kn_slice_fn fn;
     void *user;
     kn_slice_job_report report;
@@ -65,8 +65,7 @@ static kn_status run_job(kn_ctx *ctx, const work *w, int j, kn_sink *sink, doubl
 
 static kn_status slice_group(kn_ctx *ctx, work *w, size_t first, size_t end)
 {
-    kn_slice_window window = {*w->options, first, end};
-    window.options.join = w->reach;
+    const kn_slice_window window = {*w->options, first, end, w->crossing};
     kn_sink sink = {0};
     kn_status status = kn_slice_window_sink(ctx, &sink, &window, w->fn, w->user);
     if (status != KN_OK) return status;
@@ -101,9 +100,7 @@ kn_status kn_slice_job(kn_ctx *ctx, const kn_job *const *jobs, int njobs, const 
     w.slabs = kn_alloc_zero(ctx, (size_t)njobs, sizeof(kn_job_slabs *));
     if (!w.slabs) return KN_ENOMEM;
     for (int j = 0; status == KN_OK && j < njobs; j++) status = kn_job_slabs_create(ctx, &w.slabs[j], jobs[j]);
-    double crossing = 0.0;
-    for (int j = 0; j < njobs; j++) crossing = fmax(crossing, kn_job_describe(jobs[j]).crossing_error);
-    w.reach = kn_slice_reach(options, crossing);
+    for (int j = 0; j < njobs; j++) w.crossing = fmax(w.crossing, kn_job_describe(jobs[j]).crossing_error);
     if (status == KN_OK) status = slice_all(ctx, &w);
     if (status == KN_OK && report) *report = w.report;
     for (int j = 0; j < njobs; j++) kn_job_slabs_destroy(ctx, w.slabs[j]);

@@ -78,7 +78,7 @@ static kn_status begin(kn_ctx *ctx, void *user, const kn_tile *tile, const kn_jo
 {
     (void)ctx, (void)tile;
     slicer *s = user;
-    s->window.options.join = kn_slice_reach(&s->window.options, report->crossing_error);
+    s->window.crossing = report->crossing_error;
     return KN_OK;
 }
 
@@ -99,7 +99,7 @@ static kn_status end(kn_ctx *ctx, void *user)
     for (size_t plane = s->window.first, at = 0; status == KN_OK && plane < s->window.end; plane++) {
         size_t n = 0;
         while (at + n < l->nlines && l->list[at + n].plane == plane) n++;
-        status = kn_slice_chain(ctx, l, n > 0 ? l->list + at : NULL, n, &s->window.options,
+        status = kn_slice_chain(ctx, l, n > 0 ? l->list + at : NULL, n, &s->window,
                                 &s->notes[plane - s->window.first], s->fn, s->user);
         at += n;
     }
@@ -124,9 +124,9 @@ kn_status kn_slice_check(kn_ctx *ctx, const kn_slice_options *o)
     return KN_OK;
 }
 
-double kn_slice_reach(const kn_slice_options *o, double crossing)
+double kn_slice_reach(const kn_slice_window *w)
 {
-    return o->join > 0.0 ? o->join : fmax(o->tol, 2.0 * crossing);
+    return w->options.join > 0.0 ? w->options.join : fmax(w->options.tol, 2.0 * w->crossing);
 }
 
 kn_status kn_slice_window_sink(kn_ctx *ctx, kn_sink *out, const kn_slice_window *window, kn_slice_fn fn, void *user)
@@ -154,6 +154,6 @@ kn_status kn_slice_window_sink(kn_ctx *ctx, kn_sink *out, const kn_slice_window 
 kn_status kn_slice_sink(kn_ctx *ctx, kn_sink *out, const kn_slice_options *options, kn_slice_fn fn, void *user)
 {
     kn_status status = kn_slice_check(ctx, options);
-    kn_slice_window all = {*options, 0, options->count};
+    kn_slice_window all = {*options, 0, options->count, 0.0};
     return status == KN_OK ? kn_slice_window_sink(ctx, out, &all, fn, user) : status;
 }
