@@ -280,8 +280,9 @@ static void what_does_not_meet_is_refused(void **state)
     }
 }
 
-// A patch that crosses the end of the base, turned by 30 degrees, has no parameter line there.
-static void clips_or_refuses(void **state)
+// A patch that crosses the end of the base, turned by 30 degrees, has no parameter line there: it is trimmed
+// (t_border.c), where a trim can be as near the end as that.
+static void clips_within_the_tolerance(void **state)
 {
     (void)state;
     scene s;
@@ -289,8 +290,8 @@ static void clips_or_refuses(void **state)
     make_flat(s.ctx, &s.base, 2, 2);
     scene_diamond(s.ctx, &s.tile);
     kn_job_options o = {.count = {2, 2}, .height = 1, .placement = {.border = {KN_BORDER_CLIP, KN_BORDER_EXTEND}}};
-    assert_int_equal(kn_job_create(s.ctx, &s.job, &s.base, 1, &s.tile, &o), KN_EDOMAIN);
-    assert_non_null(strstr(kn_ctx_message(s.ctx), "cannot be clipped"));
+    run(&s, &o);
+    assert_true(s.r.count > 4 - 1 && kn_job_describe(s.job).crossing_error > 0.0);
     end(&s);
 }
 
@@ -448,7 +449,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(lattices_lie_where_they_should),  cmocka_unit_test(tilings_close_round_a_torus),
-        cmocka_unit_test(what_does_not_meet_is_refused),   cmocka_unit_test(clips_or_refuses),
+        cmocka_unit_test(what_does_not_meet_is_refused),   cmocka_unit_test(clips_within_the_tolerance),
         cmocka_unit_test(any_angle_for_casual_tiles),      cmocka_unit_test(moebius_strips),
         cmocka_unit_test(tiles_go_on_over_a_flipped_seam), cmocka_unit_test(allocation)};
     return cmocka_run_group_tests_name("job/placement", tests, NULL, NULL);
