@@ -203,7 +203,7 @@ kn_status kn_slice_chain(kn_ctx *ctx, const kn_slice_lines *from, const kn_slice
         if (n > 0) qsort(keys, n, sizeof *keys, by_place);
         link_equal(&c, keys);
         status = link_near(ctx, &c, keys, reach, false);
-        if (status == KN_OK && w->crossing > 0.0) status = link_trims(ctx, &c, keys, reach);
+        if (status == KN_OK && w->crossing) status = link_trims(ctx, &c, keys, reach);
     }
     if (status == KN_OK) status = collect(ctx, &layer, &c);
     layer.gap = c.gap;

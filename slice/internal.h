@@ -43,12 +43,15 @@ kn_status kn_slice_append(kn_ctx *ctx, kn_slice_lines *a, const kn_slice_lines *
 typedef struct kn_slice_window {
     kn_slice_options options;
     size_t first, end;
-    double crossing; // between pieces on the two sides of a knot line
+    double apart;  // what patches of the job are apart by at most, where they meet
+    bool crossing; // it has pieces on both sides of knot lines
 } kn_slice_window;
 // KN_EDOMAIN where options are none.
 kn_status kn_slice_check(kn_ctx *ctx, const kn_slice_options *o);
 // How far apart ends may be that are joined: the option, or what the tolerance and the gap at knot lines ask for.
 double kn_slice_reach(const kn_slice_window *w);
+// What the reports of the jobs say of that; more than one: again and again.
+void kn_slice_meet(kn_slice_window *w, const kn_job_report *report);
 // A sink for the window alone: fn gets its layers.
 kn_status kn_slice_window_sink(kn_ctx *ctx, kn_sink *out, const kn_slice_window *window, kn_slice_fn fn, void *user);
 // The planes with lo < z <= hi, where zero counts as above: index from *from to before *to.

@@ -40,7 +40,7 @@ typedef struct kn_slice_options {
     double first, step; // layer k lies at z = first + k step; step > 0
     size_t count;       // of layers, at most 2^20
     double tol;         // of contours, length units, above 0
-    double join;        // ends that are no farther apart count as one; 0: tol, or twice the job's crossing_error
+    double join;        // ends that are no farther apart count as one; 0: tol, or what the job's report lets expect
 } kn_slice_options;
 
 // A sink that cuts every patch it gets with all layers: contours are polylines on composed patches, within tol of the
