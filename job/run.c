@@ -125,7 +125,7 @@ static kn_status begin_sinks(kn_ctx *ctx, runner *r)
             if (!r->sinks[k].save || !r->sinks[k].restore)
                 return kn_fail(ctx, KN_EDOMAIN, "job: sink %d cannot be interrupted and gone on with", k);
         r->identity = kn_job_identity(r->job, r->notes->identity);
-        r->noted_at = -INFINITY; // the first block is noted, so that soon there is something to go on from
+        r->noted_at = -INFINITY;
     }
     if (r->notes && r->notes->state) {
         kn_job_state state = {r->identity, 0, r->nblocks, r->notes->state, r->notes->bytes};
@@ -210,8 +210,10 @@ static kn_status run(kn_ctx *ctx, runner *r)
         if (!r->sinks[k].commit) return kn_fail(ctx, KN_EDOMAIN, "job: sink %d is closed, or has no commit", k);
     kn_status status = check_ranges(ctx, job, r->ranges, r->nranges);
     if (status == KN_OK) status = note_blocks(ctx, r);
-    if (status == KN_OK) status = kn_job_make_matrices(ctx, &r->matrices, job);
     if (status == KN_OK) status = begin_sinks(ctx, r);
+    // Files that have begun are known from here on, whatever becomes of the run.
+    if (status == KN_OK && r->notes && r->notes->note) status = note_when_due(ctx, r, r->done);
+    if (status == KN_OK) status = kn_job_make_matrices(ctx, &r->matrices, job);
     r->ahead = 2 * (size_t)kn_ctx_threads(ctx) + 1;
     if (status == KN_OK && !(r->kept = kn_alloc_zero(ctx, r->ahead, sizeof *r->kept))) status = KN_ENOMEM;
     if (status == KN_OK) status = kn_pipeline_run(ctx, &pipeline, r->nblocks - r->done, r->ahead, "compose");
