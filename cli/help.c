@@ -168,7 +168,7 @@ static const char slice[] =
     "  -o, --output OUT        .svg: a drawing for each layer, OUT-1.svg and so on; .3mf: one file with the "
     "slice\n"
     "                          extension; may be given many times\n"
-    "      --json              one JSON object on standard output\n"
+    "      --json              one JSON object on standard output, with the certified error, gaps and doubts\n"
     "  -j, --threads N         default: all processors; files do not depend on it\n"
     "  -q, --quiet             no progress, no report\n";
 
