@@ -90,13 +90,13 @@ static kn_status give_up(kn_ctx *ctx, const kn_job_cell_plan *plan, const kn_job
     const kn_job_surface *s = &plan->job->surfaces[plan->surface];
     int cell[2] = {s->origin_cell[0] + plan->cell[0], s->origin_cell[1] + plan->cell[1]};
     kn_job_crossing way = plan->job->options.crossing;
-    if (crosses && (way == KN_CROSSING_REFUSE || p->d.nvars == 3)) {
+    if (crosses && way == KN_CROSSING_REFUSE) {
         return kn_fail(ctx, KN_EDOMAIN,
                        "job: %s %d of tile part \"%s\" crosses a knot line of surface %d in cell %d,%d, and not "
                        "along a parameter line of its own: %s",
                        p->d.nvars == 3 ? "volume" : "patch", p->patch, name, s->origin, cell[0], cell[1],
                        p->d.nvars == 3
-                           ? "volumes cannot be trimmed; make it of surfaces, or move it off the line with --shift"
+                           ? "--crossing approximate takes a polynomial for it, within --crossing-tol"
                            : "--crossing trim cuts it along the line, --crossing approximate keeps it whole");
     }
     if (beyond)
