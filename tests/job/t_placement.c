@@ -22,19 +22,6 @@ static void make_flat(kn_ctx *ctx, kn_spline *out, int nu, int nv)
     assert_int_equal(kn_spline_init(ctx, out, 2, 3, false, degree, count, knots, coef), KN_OK);
 }
 
-static void add_surface(kn_ctx *ctx, kn_tile *tile, int m, int n, const double *coef)
-{
-    const int degree[2] = {m, n};
-    kn_bezier b = {0};
-    kn_spline s = {0};
-    assert_int_equal(kn_bezier_init(ctx, &b, 2, 3, false, degree), KN_OK);
-    memcpy(b.coef, coef, 3 * kn_bezier_count(&b) * sizeof *coef);
-    assert_int_equal(kn_spline_of_bezier(ctx, &s, &b), KN_OK);
-    assert_int_equal(kn_tile_add(ctx, tile, 0, &s), KN_OK);
-    kn_bezier_clear(ctx, &b);
-    kn_spline_clear(ctx, &s);
-}
-
 // w = ramp(u) as a covering tile: 1/4 at u = 0 and 3/4 at u = 1, quadratic, the same at v = 0 and 1.
 static double ramp(double u)
 {
@@ -45,7 +32,7 @@ static void make_ramp(kn_ctx *ctx, kn_tile *out)
     static const double coef[18] = {0, 0, 0.5, 0.5, 1, 1, 0, 1, 0, 1, 0, 1, 0.25, 0.25, 0.75, 0.75, 0.75, 0.75};
     assert_int_equal(kn_tile_init(ctx, out, "ramp", 1), KN_OK);
     out->covering = true;
-    add_surface(ctx, out, 2, 1, coef);
+    scene_add_patch(ctx, out, 2, 1, coef);
 }
 
 // scene_dome over its cell.
@@ -358,7 +345,7 @@ static void make_tube(kn_ctx *ctx, kn_tile *out)
         double coef[12] = {0, 0, 1, 1};
         for (int i = 0; i < 2; i++)
             for (int j = 0; j < 2; j++) coef[4 + 2 * i + j] = v[k + 1 - j], coef[8 + 2 * i + j] = w[k + 1 - j];
-        add_surface(ctx, out, 1, 1, coef);
+        scene_add_patch(ctx, out, 1, 1, coef);
     }
 }
 
