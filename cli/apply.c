@@ -175,8 +175,8 @@ static void warn_of_curves(cli_session *session, const cli_apply *a, const kn_jo
 {
     for (int i = 0; i < a->recipe.noutputs && report->curves > 0; i++) {
         const char *path = a->recipe.outputs[i];
-        if (cli_has_ending(path, "stl") || cli_has_ending(path, "glb") || cli_has_ending(path, "gltf"))
-            cli_warn(session, "%s: the tile's curves are left out; .step and .obj hold them", path);
+        if (cli_has_ending(path, "stl"))
+            cli_warn(session, "%s: the tile's curves are left out; .step, .obj and .glb hold them", path);
     }
 }
 
