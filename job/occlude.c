@@ -155,8 +155,8 @@ static bool meets_itself(const grid *g, int d)
 static int wanted_pieces(const drawing *d, const kn_job_bounds_surface *s)
 {
     double least[2] = {INFINITY, INFINITY}, most[2] = {-INFINITY, -INFINITY};
-    for (size_t i = 0; i < s->npieces; i++) {
-        const kn_bezier *b = &s->pieces[i];
+    for (size_t i = 0; i < s->s.n; i++) {
+        const kn_bezier *b = &s->s.list[i];
         size_t n = kn_bezier_count(b);
         for (size_t k = 0; k < n; k++) {
             double w = b->rational ? b->coef[3 * n + k] : 1.0, p[3];
@@ -174,14 +174,14 @@ static kn_status fill(kn_ctx *ctx, grid *g, const drawing *d, const kn_job_bound
 {
     kn_bezier one = {0};
     kn_status status = KN_OK;
-    int spans = s->nbreaks[1] - 1;
+    int spans = s->s.nbreaks[1] - 1;
     for (int i = 0; status == KN_OK && i < g->n[0]; i++)
         for (int j = 0; status == KN_OK && j < g->n[1]; j++) {
             const int at[2] = {i % parts[0], j % parts[1]};
             double lo[2], hi[2];
             for (int v = 0; v < 2; v++) lo[v] = (double)at[v] / parts[v], hi[v] = (double)(at[v] + 1) / parts[v];
             size_t piece = (size_t)(i / parts[0]) * (size_t)spans + (size_t)(j / parts[1]);
-            status = kn_bezier_restrict(ctx, &one, &s->pieces[piece], lo, hi);
+            status = kn_bezier_restrict(ctx, &one, &s->s.list[piece], lo, hi);
             if (status == KN_OK) status = take_piece(ctx, g, d, &one, s->size, i, j);
         }
     kn_bezier_clear(ctx, &one);
@@ -193,7 +193,7 @@ static kn_status make_grid(kn_ctx *ctx, grid *g, const drawing *d, int surface, 
     const kn_job_bounds_surface *s = &d->bounds->surfaces[surface];
     int parts[2];
     for (int v = 0; v < 2; v++) {
-        int spans = s->nbreaks[v] - 1;
+        int spans = s->s.nbreaks[v] - 1;
         parts[v] = (pieces + spans - 1) / spans;
         g->n[v] = spans * parts[v];
     }
