@@ -54,13 +54,13 @@ static void make_closed(feed *f, kn_mesh *out)
 {
     enum { MOST = 9 };
     double position[3 * (MOST + 2)];
-    uint32_t triangle[6 * MOST], n = (uint32_t)feed_count(f, 3, MOST);
+    uint32_t triangle[6 * MOST], n = 3 + (uint32_t)feed_byte(f) % (MOST - 2);
     for (uint32_t i = 0; i < 3 * (n + 2); i++) position[i] = feed_number(f);
     for (uint32_t i = 0; i < n; i++) {
         const uint32_t two[6] = {n, i, (i + 1) % n, n + 1, (i + 1) % n, i};
         memcpy(triangle + 6 * i, two, sizeof two);
     }
-    if (feed_byte(f) % 8 == 0) triangle[feed_byte(f) % (6 * n)] = (uint32_t)feed_byte(f) % (n + 2);
+    if (feed_byte(f) % 8 == 0) triangle[(uint32_t)feed_byte(f) % (6 * n)] = (uint32_t)feed_byte(f) % (n + 2);
     const kn_mesh m = {.nvertices = n + 2, .ntriangles = 2 * (size_t)n, .position = position, .triangle = triangle};
     feed_any(kn_mesh_copy(f->ctx, out, &m));
     kn_ctx_clear_error(f->ctx);
