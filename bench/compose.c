@@ -270,8 +270,8 @@ int main(void)
     for (int i = 0; i < 4; i++) failed = failed || tasks[i].failed;
     kn_tile bump = {0};
     status = make_bump(ctx[1], &bump);
-    if (status == KN_OK) status = compose_whole(ctx, &base, &bump, KN_NORMAL_FITTED, 64, &failed);
-    if (status == KN_OK) status = compose_whole(ctx, &base, &bump, KN_NORMAL_EXACT_DIRECTION, 32, &failed);
+    if (status == KN_OK) status = compose_whole(ctx, &base, &bump, KN_NORMAL_FITTED, 128, &failed);
+    if (status == KN_OK) status = compose_whole(ctx, &base, &bump, KN_NORMAL_EXACT_DIRECTION, 48, &failed);
     if (status == KN_OK) status = triangles(&base);
     if (status != KN_OK) fprintf(stderr, "%s\n", kn_ctx_message(ctx[1]));
     failed = failed || status != KN_OK;
