@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a texture occupies cell by cell, where it does not do so alike everywhere: of cells that are chosen, of tiles that
-// are placed, scattered or varied.
+// What a texture occupies cell by cell, where it does not do so alike everywhere: of cells that are chosen, of
+// tiles that are placed, scattered or varied.
 #include "cli/check.h"
 #include "job/placement.h"
 #include "kernel/context.h"

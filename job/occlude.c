@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // What the base stops of the rays towards a camera: discs of it, drawn into a depth buffer.
 //
-// S is cut into a grid of pieces, a few pixels each. A disc is a square of them; its border is known from the control
-// points of arcs, in whose hull each arc is, in space and (all being before the camera) in the picture: it is as far from
-// its chord as they are. Squares of 2, 4 .. 32 pieces, each half over the next one, leave no gap between
-// themselves; over an edge that two surfaces share a disc consists of half a square on each side.
+// S is cut into a grid of pieces, a few pixels each. A disc is a square of them; its border is known from the
+// control points of arcs, in whose hull each arc is, in space and (all being before the camera) in the picture: it
+// is as far from its chord as they are. Squares of 2, 4 .. 32 pieces, each half over the next one, leave no gap
+// between themselves; over an edge that two surfaces share a disc consists of half a square on each side.
 //
-// A covering tile takes the base's place, everywhere within W = max |w| of the point of S under it. Over a disc it is a
-// disc too, whose border is within W of the other's: what is known of arcs and depths grows by that.
+// A covering tile takes the base's place, everywhere within W = max |w| of the point of S under it. Over a disc it
+// is a disc too, whose border is within W of the other's: what is known of arcs and depths grows by that.
 #include "job/depth.h"
 #include "kernel/parallel.h"
 
@@ -242,8 +242,8 @@ static double farthest(const grid *g, const int first[2], const int size[2])
     return most;
 }
 
-// Squares of half the side, each half over the next one, leave no point nearer than a quarter of their side to all their
-// borders: where that is more than twice what borders cost, they have drawn all that this one could.
+// Squares of half the side, each half over the next one, leave no point nearer than a quarter of their side to all
+// their borders: where that is more than twice what borders cost, they have drawn all that this one could.
 static bool is_needed(const border *b, int side)
 {
     double least = INFINITY, most = 0.0;
