@@ -74,7 +74,8 @@ typedef struct drawing {
 
 static double distance(const double *p, const double *a, const double *b)
 {
-    double d[2] = {b[0] - a[0], b[1] - a[1]}, q[2] = {p[0] - a[0], p[1] - a[1]}, length = d[0] * d[0] + d[1] * d[1];
+    const double d[2] = {b[0] - a[0], b[1] - a[1]}, q[2] = {p[0] - a[0], p[1] - a[1]},
+                 length = d[0] * d[0] + d[1] * d[1];
     double t = length > 0.0 ? fmin(fmax((q[0] * d[0] + q[1] * d[1]) / length, 0.0), 1.0) : 0.0;
     return hypot(q[0] - t * d[0], q[1] - t * d[1]);
 }
