@@ -35,7 +35,7 @@ typedef enum kn_job_side {
 // How tiles go on beyond the ends of a surface that is not closed (the vocabulary of other tools: extend, clip, cyclic).
 typedef enum kn_job_border {
     KN_BORDER_EXTEND, // what reaches beyond stays, over the surface extended as a polynomial
-    KN_BORDER_CLIP,   // what reaches beyond is cut off: trimmed to within crossing_tol where no parameter line lies there
+    KN_BORDER_CLIP,   // what reaches beyond is cut off: along a parameter line, or trimmed within crossing_tol
     KN_BORDER_CYCLIC, // what reaches beyond comes in at the other end
 } kn_job_border;
 
