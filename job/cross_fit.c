@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // A surface or volume of the tile over several knot boxes: one untrimmed patch, close to T(D) everywhere.
 //
-// It interpolates T(D) at sites that crowd towards the ends, so that its edges and faces depend on T(D) along them alone. The
-// bound: where D meets one knot box the difference is a polynomial, composed exactly; where it meets several, every
-// one of their polynomials is bounded over the whole part, for each point has its image in one of the boxes. Parts
-// are cut in halves each way until the bound is met.
+// It interpolates T(D) at sites that crowd towards the ends, so that its edges and faces depend on T(D) along them
+// alone. The bound: where D meets one knot box the difference is a polynomial, composed exactly; where it meets several,
+// every one of their polynomials is bounded over the whole part, for each point has its image in one of the boxes.
+// Parts are cut in halves each way until the bound is met.
 #include "bezier/norm_bound.h"
 #include "job/cross.h"
 
