@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Slicing: layers and contour points a second, and memory for ever more cells: `knurl` around a cylinder, a hundred
-// cells of it cut by each layer at most. The argument is the largest power of ten of cells, 4 unless it says otherwise.
-// Processor time of one thread. No library in Debian slices such objects: lib3mf stores slices, and does not make them.
+// cells of it cut by each layer at most. The argument is the largest power of ten of cells, 4 by default.
+// Processor time of one thread. No library in Debian slices such objects: lib3mf stores slices and makes none.
 #include "bench/bench.h"
 
 #include <knurl/construct.h>

@@ -139,8 +139,8 @@ static int find_break(const double *breaks, int n, double t)
     return lo;
 }
 
-// S, or n, over the parameters [a,b], one piece after the other; the end pieces go on beyond the domain. Local coordinates are off by a few roundings of
-// numbers near 1: so much wider.
+// S, or n, over the parameters [a,b], one piece after the other; the end pieces go on beyond the domain. Local
+// coordinates are off by a few roundings of numbers near 1: so much wider.
 static kn_status pieces_box(kn_ctx *ctx, double *lo, double *hi, const kn_job_bounds_pieces *s, const double a[2],
                             const double b[2])
 {

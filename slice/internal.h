@@ -85,8 +85,8 @@ bool kn_slice_known_point(double out[2], const kn_slice_edge *edges, const doubl
 // ---- clip.c ----
 // The trim's loops as closed polylines within tol of it.
 kn_status kn_slice_outline(kn_ctx *ctx, kn_outline *out, const kn_trim *trim, double tol);
-// The parts of a line of zeros of f that lie in the region. Ends on the boundary are zeros of f to rounding, where there
-// is one within tol. *runs: *n of them, in scratch.
+// The parts of a line of zeros of f that lie in the region. Ends on the boundary are zeros of f to rounding, where
+// there is one within tol. *runs: *n of them, in scratch.
 kn_status kn_slice_clip(kn_ctx *ctx, kn_solve_curve **runs, size_t *n, const kn_outline *region,
                         const kn_solve_curve *curve, const kn_bezier *f, double tol);
 

@@ -256,7 +256,7 @@ static void closed_over_knots(void **state)
         double length, area = section_area(&mesh, got.z[k], &length);
         assert_int_equal(got.nopen[k], 0);
         assert_int_equal(got.nloops[k], 2);
-        // both are within their tolerances of the surface; at these heights a section moves by at most four times that
+        // both are within their tolerances of the surface; here a section moves by at most four times that
         assert_true(fabs(got.area[k] - area) <= (2e-3 + 4e-3 + got.gap) * length);
     }
     kn_mesh_clear(ctx, &mesh);
