@@ -61,7 +61,7 @@ typedef struct check {
     check_shell *shells;
     int nshells;
     check_box box[CHECK_BOXES];
-    int nboxes;              // 0 without a tile
+    int nboxes;                 // 0 without a tile
     check_cell_box *cell_boxes; // by shell and cell, where cells are not alike (check_by_cell); then nboxes is 0
     size_t ncell_boxes, cell_boxes_room;
     kn_fold_region *regions; // what a tile or volumes occupy; NULL: all of every shell between `range`
