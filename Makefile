@@ -39,7 +39,8 @@ OPT_release := -O3 -DNDEBUG
 # Without optimisation gcc's vector gathers are macros, whose signs are not ours.
 OPT_debug := -O0 -Wno-sign-conversion
 # Instrumented code makes gcc warn of what is not there (its manual says so); the other builds carry the warnings.
-SANITIZERS := -w -fsanitize=address,undefined -fno-sanitize-recover=all -fno-omit-frame-pointer
+# Lines and names are enough for their reports: -g1.
+SANITIZERS := -g1 -w -fsanitize=address,undefined -fno-sanitize-recover=all -fno-omit-frame-pointer
 OPT_sanitize := -O1 $(SANITIZERS)
 OPT_coverage := $(OPT_debug) --coverage
 OPT_fuzz := -O1 $(SANITIZERS) -fsanitize=fuzzer-no-link

@@ -9,6 +9,8 @@
 
 #include <knurl/io.h>
 
+#include <pthread.h>
+
 enum { CELLS = 8, ROWS = 48 }; // ROWS: of the product measured by itself, 16 cells of 3 components
 
 typedef struct task {
@@ -114,6 +116,25 @@ static void calculate(void *user)
     for (int i = 0; i < 20; i++) a->flops += a->work(&a->sink);
 }
 
+static void *calculate_beside(void *user)
+{
+    calculate(user);
+    return NULL;
+}
+
+// The same arithmetic on two threads at once, which share nothing: what two processors can gain.
+static void calculate_twice(void *user)
+{
+    arithmetic *a = user, other = {.work = a->work};
+    pthread_t thread;
+    bool two = pthread_create(&thread, NULL, calculate_beside, &other) == 0;
+    calculate(a);
+    if (two)
+        (void)pthread_join(thread, NULL);
+    else
+        calculate(&other);
+}
+
 // Patches per second with pieces of the degrees that n gets: in processor time of one thread, with what that is of
 // the peak; and on the clock on one and two threads.
 static kn_status compose_whole(kn_ctx *ctx[2], const kn_spline *base, const kn_tile *tile, kn_normal_method normal,
@@ -128,10 +149,13 @@ static kn_status compose_whole(kn_ctx *ctx[2], const kn_spline *base, const kn_t
     const char *isa;
     arithmetic peak = {.work = bench_peak_work(&isa)};
     task tasks[2] = {{ctx[0], job, false}, {ctx[1], job, false}};
-    bench_rival rivals[2] = {{"1 thread", run, &tasks[0], 0, 0}, {"2 threads", run, &tasks[1], 0, 0}};
+    bench_rival rivals[4] = {{"1 thread", run, &tasks[0], 0, 0},
+                             {"2 threads", run, &tasks[1], 0, 0},
+                             {"arithmetic, 1 thread", calculate, &peak, 0, 0},
+                             {"arithmetic, 2 threads", calculate_twice, &peak, 0, 0}};
     bench_rival paired[2] = {{"peak", calculate, &peak, 0, 0}, {"1 thread", run, &tasks[0], 0, 0}};
     bench_compare(paired, 2, BENCH_THREAD);
-    bench_compare(rivals, 2, BENCH_WALL);
+    bench_compare(rivals, 4, BENCH_WALL);
     double k = 16.0 + (n->degree[0] + 1) * (n->degree[1] + 1), patches = (double)r.patches;
     double flops = 2.0 * 3.0 * k * (double)r.control_points;
     printf("(%d,%d,1) to (%d,%d), %zu patches: %.0f patches/s of processor time, %.0f %% of the peak in turn "
@@ -143,6 +167,8 @@ static kn_status compose_whole(kn_ctx *ctx[2], const kn_spline *base, const kn_t
         printf("    %-9s %9.0f patches/s  %5.2f x\n", rivals[i].name, patches / rivals[i].seconds, rivals[i].ratio);
         *failed = *failed || tasks[i].failed;
     }
+    printf("    the machine's own gain from a second thread, arithmetic that shares nothing, in turn: %.2f x\n",
+           2.0 * rivals[2].seconds / rivals[3].seconds);
     kn_job_destroy(ctx[1], job);
     return KN_OK;
 }
@@ -244,8 +270,8 @@ int main(void)
     for (int i = 0; i < 4; i++) failed = failed || tasks[i].failed;
     kn_tile bump = {0};
     status = make_bump(ctx[1], &bump);
-    if (status == KN_OK) status = compose_whole(ctx, &base, &bump, KN_NORMAL_FITTED, 64, &failed);
-    if (status == KN_OK) status = compose_whole(ctx, &base, &bump, KN_NORMAL_EXACT_DIRECTION, 32, &failed);
+    if (status == KN_OK) status = compose_whole(ctx, &base, &bump, KN_NORMAL_FITTED, 128, &failed);
+    if (status == KN_OK) status = compose_whole(ctx, &base, &bump, KN_NORMAL_EXACT_DIRECTION, 48, &failed);
     if (status == KN_OK) status = triangles(&base);
     if (status != KN_OK) fprintf(stderr, "%s\n", kn_ctx_message(ctx[1]));
     failed = failed || status != KN_OK;

@@ -58,15 +58,13 @@ static int read_arguments(cli_apply *a, int argc, char **argv)
     return EXIT_OK;
 }
 
-// A journal is of one job, and of sinks that write as they go.
+// A journal is of sinks that write as they go. A glTF file begins with numbers that only its end knows.
 static const char *resume_conflict(const cli_apply *a)
 {
-    int written = 0;
-    for (int i = 0; i < a->recipe.nlayers; i++) written += !a->recipe.layer[i].base_only;
-    if (written != 1) return "--resume is for one layer";
     for (int i = 0; i < a->recipe.noutputs; i++)
         if (cli_has_ending(a->recipe.outputs[i], "glb") || cli_has_ending(a->recipe.outputs[i], "gltf"))
-            return "--resume: glTF is written at the end alone";
+            return "--resume: a glTF file is held in memory until its end: write .step, .stl or .obj, or without "
+                   "--resume";
     return NULL;
 }
 
@@ -86,9 +84,8 @@ static int check_arguments(const cli_apply *a)
 }
 
 // What the job cannot know of its own options: fields are known by the texts that they were made of.
-static uint64_t identity_of(const cli_job *job)
+static uint64_t identity_of(const cli_job *job, uint64_t hash) // FNV-1a
 {
-    uint64_t hash = UINT64_C(0xcbf29ce484222325); // FNV-1a
     for (int i = -1; i < job->nvary; i++) {
         const char *texts[2] = {i < 0 ? job->color.field.text : job->vary[i].parameter,
                                 i < 0 ? job->mask.text : job->vary[i].value.text};
@@ -108,8 +105,9 @@ static kn_status run_jobs(kn_ctx *ctx, const cli_apply *a, const cli_plan *plan,
     }
     char journal[4096];
     snprintf(journal, sizeof journal, "%s.journal", a->recipe.outputs[0]);
-    return kn_run_with_journal(ctx, plan->shown[0], sinks, n, journal, true, 0,
-                               identity_of(&a->recipe.layer[plan->shown_layer[0]]));
+    uint64_t identity = UINT64_C(0xcbf29ce484222325);
+    for (int i = 0; i < plan->nshown; i++) identity = identity_of(&a->recipe.layer[plan->shown_layer[i]], identity);
+    return kn_run_with_journal(ctx, plan->shown, plan->nshown, sinks, n, journal, true, 0, identity);
 }
 
 // Opens the sinks, runs the jobs, closes them all whatever happened.
@@ -177,8 +175,8 @@ static void warn_of_curves(cli_session *session, const cli_apply *a, const kn_jo
 {
     for (int i = 0; i < a->recipe.noutputs && report->curves > 0; i++) {
         const char *path = a->recipe.outputs[i];
-        if (cli_has_ending(path, "stl") || cli_has_ending(path, "glb") || cli_has_ending(path, "gltf"))
-            cli_warn(session, "%s: the tile's curves are left out; .step and .obj hold them", path);
+        if (cli_has_ending(path, "stl"))
+            cli_warn(session, "%s: the tile's curves are left out; .step, .obj and .glb hold them", path);
     }
 }
 

@@ -91,7 +91,9 @@ static int check_arguments(check *c)
     const char *wrong = choose_layer(c);
     const cli_job *job = &c->job;
     bool cells = job->options.count[0] || job->has_size || job->options.spacing || job->options.rows ||
-                 job->options.stretch || job->options.quarter_turns || job->options.placement.angle != 0;
+                 job->options.stretch || job->options.quarter_turns || check_by_cell(c) || job->mask.text ||
+                 job->nfaces > 0 || job->has_camera || job->nvary > 0 || job->scatter.value > 0 ||
+                 job->taper.value > 0;
     const char *missing = wrong                                              ? wrong
                           : !job->base                                       ? "a BASE file is missing"
                           : cells && !job->tile                              ? "cells need a --tile"
@@ -119,6 +121,7 @@ static int check_height(const check *c)
 static int find_intersection(cli_session *session, check *c)
 {
     kn_ctx *ctx = cli_ctx(session);
+    if (c->job.tile && c->nregions == 0) return EXIT_OK; // no cell has a tile
     const kn_shell **shells = malloc((size_t)c->nshells * sizeof(void *));
     if (!shells) {
         cli_error("out of memory");

@@ -16,6 +16,12 @@ typedef struct check_box {
     double lo[3], hi[3];
 } check_box;
 
+// What the tiles occupy of one cell of a shell, w in the shell's heights.
+typedef struct check_cell_box {
+    int shell, cell[2];
+    double lo[3], hi[3];
+} check_cell_box;
+
 // A piece of a base between creases, a volume, or a surface of a job.
 typedef struct check_shell {
     const kn_shell *shell;
@@ -55,7 +61,9 @@ typedef struct check {
     check_shell *shells;
     int nshells;
     check_box box[CHECK_BOXES];
-    int nboxes;              // 0 without a tile
+    int nboxes;                 // 0 without a tile
+    check_cell_box *cell_boxes; // by shell and cell, where cells are not alike (check_by_cell); then nboxes is 0
+    size_t ncell_boxes, cell_boxes_room;
     kn_fold_region *regions; // what a tile or volumes occupy; NULL: all of every shell between `range`
     size_t nregions;
     double range[2];
@@ -79,6 +87,11 @@ int check_examine(cli_session *session, check *c);
 kn_status check_make_regions(kn_ctx *ctx, check *c);
 // The boxes of one cell of a shell: c->nboxes regions.
 void check_cell_boxes(const check *c, int shell, const int cell[2], kn_fold_region *out);
+// Whether tiles are chosen, placed or varied cell by cell: then what they occupy is found for each, and cells in which
+// there is nothing do not count.
+bool check_by_cell(const check *c);
+kn_status check_make_cell_regions(kn_ctx *ctx, check *c);
+bool check_cell_region(const check *c, int shell, const int cell[2], kn_fold_region *out); // false: nothing is there
 
 bool check_passed(const check *c);
 void check_print(const check *c);

@@ -283,6 +283,7 @@ static kn_status whole_shells(check *c)
 kn_status check_make_regions(kn_ctx *ctx, check *c)
 {
     if (!c->job.tile) return whole_shells(c);
+    if (check_by_cell(c)) return check_make_cell_regions(ctx, c);
     kn_status status = make_boxes(ctx, c);
     if (status != KN_OK) return status;
     for (int i = 0; i < c->nshells; i++)

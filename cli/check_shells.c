@@ -172,6 +172,7 @@ void check_clear(cli_session *session, check *c)
     }
     free(c->shells);
     free(c->regions);
+    free(c->cell_boxes);
     free(c->cells);
     kn_job_destroy(ctx, c->plan);
     kn_tile_clear(ctx, &c->tile);
@@ -233,10 +234,13 @@ static kn_status examine_regions(kn_ctx *ctx, const check *c, check_shell *s, in
     for (int i = 0; i < s->cells[0] && status == KN_OK && !positive; i++)
         for (int j = 0; j < s->cells[1] && status == KN_OK; j++) {
             kn_fold_region box[CHECK_BOXES];
-            int cell[2] = {i, j}, k = i * s->cells[1] + j;
+            int cell[2] = {i, j}, k = i * s->cells[1] + j, n = c->nboxes;
             if (fits(&s->cell_safe[k], s->range)) continue;
-            check_cell_boxes(c, index, cell, box);
-            for (int b = 0; b < c->nboxes && status == KN_OK; b++) {
+            if (check_by_cell(c))
+                n = check_cell_region(c, index, cell, box);
+            else
+                check_cell_boxes(c, index, cell, box);
+            for (int b = 0; b < n && status == KN_OK; b++) {
                 kn_fold_sign sign;
                 if (fits(&s->cell_safe[k], (double[2]){box[b].lo[2], box[b].hi[2]})) continue;
                 status = kn_fold_jacobian_sign(ctx, &sign, s->shell, box[b].lo, box[b].hi);
@@ -308,21 +312,50 @@ static double share(double safe, double wanted)
     return wanted > 0 ? safe / wanted : INFINITY;
 }
 
+static bool is_used(const check *c, int shell, int k)
+{
+    const int n = c->shells[shell].cells[1], cell[2] = {k / n, k % n};
+    kn_fold_region r;
+    return !c->job.tile || !check_by_cell(c) || check_cell_region(c, shell, cell, &r);
+}
+
+// Of cells in which nothing is safe heights do not count.
+static void forget_unused(const check *c, check_shell *s, int shell)
+{
+    if (!c->job.tile || !check_by_cell(c)) return;
+    s->safe = (kn_fold_heights){.above = INFINITY, .below = INFINITY};
+    for (int k = 0; k < s->cells[0] * s->cells[1]; k++) {
+        const kn_fold_heights *h = &s->cell_safe[k];
+        if (!is_used(c, shell, k)) continue;
+        if (h->above < s->safe.above) {
+            s->safe.above = h->above;
+            memcpy(s->safe.where_above, h->where_above, sizeof h->where_above);
+        }
+        if (h->below < s->safe.below) {
+            s->safe.below = h->below;
+            memcpy(s->safe.where_below, h->where_below, sizeof h->where_below);
+        }
+    }
+}
+
 static kn_status rank_cells(kn_ctx *ctx, check *c)
 {
     for (int i = 0; i < c->nshells; i++) c->ncells += (size_t)c->shells[i].cells[0] * (size_t)c->shells[i].cells[1];
-    c->cells = calloc(c->ncells, sizeof *c->cells);
+    c->cells = calloc(c->ncells + 1, sizeof *c->cells);
     if (!c->cells) return KN_ENOMEM;
     check_cell *to = c->cells;
     for (int i = 0; i < c->nshells; i++) {
         const check_shell *s = &c->shells[i];
-        for (int k = 0; k < s->cells[0] * s->cells[1]; k++, to++) {
+        for (int k = 0; k < s->cells[0] * s->cells[1]; k++) {
+            if (!is_used(c, i, k)) continue;
             double room = fmin(share(s->cell_safe[k].above, s->range[1]), share(s->cell_safe[k].below, -s->range[0]));
             *to = (check_cell){
                 .shell = i, .cell = {k / s->cells[1], k % s->cells[1]}, .room = room, .folds = s->cell_folds[k]};
             c->nfolding += to->folds;
+            to++;
         }
     }
+    c->ncells = (size_t)(to - c->cells);
     qsort(c->cells, c->ncells, sizeof *c->cells, by_room);
     kn_status status = KN_OK;
     for (size_t k = 0; k < c->ncells && status == KN_OK; k++) status = locate(ctx, c, &c->cells[k]);
@@ -354,6 +387,7 @@ int check_examine(cli_session *session, check *c)
 {
     kn_status status = kn_parallel(cli_ctx(session), (size_t)c->nshells, examine_task, c, "folds");
     if (status != KN_OK) return fail(session, c, status);
+    for (int i = 0; i < c->nshells; i++) forget_unused(c, &c->shells[i], i);
     conclude(c);
     status = rank_cells(cli_ctx(session), c);
     return status == KN_OK ? EXIT_OK : cli_fail(session, status, false);

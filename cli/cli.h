@@ -40,7 +40,7 @@ enum { CLI_END = -1, CLI_POSITIONAL = -2, CLI_BAD = -3 };
 // message with the nearest known option has been printed.
 int cli_next(cli_args *args, const char **value);
 
-// Numbers from text; false after printing "--name: expected ..., got ...".
+// Numbers from text, or fractions of two (1/3); false after printing "--name: expected ..., got ...".
 bool cli_double(const char *name, const char *text, double *out);
 bool cli_int(const char *name, const char *text, int lo, int hi, int *out);
 // "A" or "A,B" or up to `most` numbers; the number read, 0 after printing why not.
@@ -177,7 +177,7 @@ typedef struct cli_color {
     int nrules;
 } cli_color;
 typedef struct cli_job {
-    const char *base, *tile; // tile NULL: none
+    const char *base, *tile, *morph; // tile, morph NULL: none
     double unit_mm;
     double cell[4];
     cli_length size[2], height, offset, mesh_tol, cells_tol, crossing_tol, scatter, taper, slab[2];

@@ -147,14 +147,26 @@ int cli_next(cli_args *args, const char **value)
     return unknown_option(args, name, length);
 }
 
+// A number, or a fraction of two, such as 1/3; false: neither.
+static bool take_number(const char *text, char **end, double *out)
+{
+    errno = 0;
+    *out = strtod(text, end);
+    if (*end == text) return false;
+    if (**end == '/') {
+        char *below = *end + 1;
+        *out /= strtod(below, end);
+        if (*end == below) return false;
+    }
+    return isfinite(*out) && errno != ERANGE;
+}
+
 int cli_list(const char *name, const char *text, double *out, int most)
 {
     const char *p = text;
     for (int n = 0; n < most;) {
         char *end;
-        errno = 0;
-        out[n] = strtod(p, &end);
-        if (end == p || !isfinite(out[n]) || errno == ERANGE) break;
+        if (!take_number(p, &end, &out[n])) break;
         n++;
         if (*end == '\0') return n;
         if (*end != ',') break;

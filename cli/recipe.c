@@ -80,7 +80,7 @@ static bool get_path(const reader *r, const char *key, const json_t *value, cons
 // Names of built-in tiles have no dot.
 static bool names_a_file(const cli_option *option, const char *text)
 {
-    if (strcmp(option->name, "tile") == 0) return strchr(text, '.') != NULL;
+    if (strcmp(option->name, "tile") == 0 || strcmp(option->name, "morph") == 0) return strchr(text, '.') != NULL;
     return (option->takes == CLI_FILE || option->takes == CLI_FILES) && cli_scalar_is_file(text);
 }
 

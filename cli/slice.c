@@ -29,7 +29,7 @@ typedef struct slicing {
     kn_slice_options options;
     kn_slice_job_report report;
     size_t nloops, nopen, npoints, doubtful;
-    double gap;
+    double gap, error;
     size_t bytes[CLI_MAX_OUTPUTS];
 #if KN_WITH_LIB3MF
     kn_3mf_slices *stacks[CLI_MAX_OUTPUTS];
@@ -218,6 +218,7 @@ static kn_status take_layer(kn_ctx *ctx, void *user, const kn_slice *layer)
     s->nopen += layer->nopen;
     s->doubtful += layer->doubtful;
     s->gap = fmax(s->gap, layer->gap);
+    s->error = fmax(s->error, layer->error);
     for (size_t i = 0; i < layer->nloops; i++) s->npoints += layer->loops[i].npoints;
     return status;
 }
@@ -253,13 +254,13 @@ static void print(const slicing *s, double seconds, size_t peak)
 {
     const cli_job *job = &s->recipe.layer[0];
     if (job->json) {
-        json_t *o = json_pack("{s:o,s:I,s:f,s:f,s:f,s:f,s:I,s:I,s:I,s:o,s:I,s:I,s:I,s:f,s:I}", "base",
+        json_t *o = json_pack("{s:o,s:I,s:f,s:f,s:f,s:f,s:I,s:I,s:I,s:o,s:o,s:I,s:I,s:I,s:f,s:I}", "base",
                               cli_json_text(job->base), "layers", (json_int_t)s->count, "layer", s->step, "bottom",
                               s->bottom, "top", s->top, "tolerance", s->options.tol, "contours",
                               (json_int_t)s->nloops, "open", (json_int_t)s->nopen, "points", (json_int_t)s->npoints,
-                              "gap", cli_json_upper(s->gap), "doubtful", (json_int_t)s->doubtful, "cells_composed",
-                              (json_int_t)s->report.cells, "most_cells", (json_int_t)s->report.most_cells, "seconds",
-                              seconds, "peak_bytes", (json_int_t)peak);
+                              "gap", cli_json_upper(s->gap), "error", cli_json_upper(s->error), "doubtful",
+                              (json_int_t)s->doubtful, "cells_composed", (json_int_t)s->report.cells, "most_cells",
+                              (json_int_t)s->report.most_cells, "seconds", seconds, "peak_bytes", (json_int_t)peak);
         json_dumpf(o, stdout, JSON_INDENT(2) | JSON_REAL_PRECISION(9));
         putchar('\n');
         json_decref(o);
@@ -270,8 +271,30 @@ static void print(const slicing *s, double seconds, size_t peak)
     printf("%zu layers of %g %s, z from %g to %g %s\n", s->count, s->step, unit, s->bottom, s->top, unit);
     printf("%zu contours of %zu points within %g %s", s->nloops, s->npoints, s->options.tol, unit);
     if (s->nopen > 0) printf(", %zu of them open", s->nopen);
+    if (s->gap > 0) printf(", ends joined over %.2g at most", s->gap);
+    if (s->doubtful > 0) printf(", %zu places decided by rounding", s->doubtful);
     printf("\n%zu cells composed, at most %zu at a time; %.2f s, peak %.1f MB\n", s->report.cells,
            s->report.most_cells, seconds, 1e-6 * (double)peak);
+}
+
+// Curves have no inside, and so no contours: nothing else in a texture is an error, something else a warning.
+static int check_inside(cli_session *session, const slicing *s)
+{
+    bool any = false;
+    size_t curves = 0;
+    for (int i = 0; i < s->plan.nshown; i++) {
+        const kn_job_report report = kn_job_describe(s->plan.shown[i]);
+        curves += report.curves;
+        any = any || report.curves < report.patches;
+    }
+    if (curves == 0) return EXIT_OK;
+    if (any) {
+        cli_warn(session, "%zu curves are left out: they have no inside", curves);
+        return EXIT_OK;
+    }
+    cli_error("slice: %s: the texture is made of curves alone, which have no inside and so no contours",
+              s->recipe.layer[0].tile);
+    return EXIT_BAD_INPUT;
 }
 
 static int slice(cli_session *session, slicing *s, const cli_inputs *in)
@@ -279,6 +302,7 @@ static int slice(cli_session *session, slicing *s, const cli_inputs *in)
     kn_ctx *ctx = cli_ctx(session);
     double began = cli_seconds();
     int code = cli_plan_begin(session, &s->plan, &s->recipe, in);
+    if (code == EXIT_OK) code = check_inside(session, s);
     if (code == EXIT_OK) code = find_layers(session, s);
     if (code == EXIT_OK) code = find_box(session, s, in);
     if (code == EXIT_OK) {

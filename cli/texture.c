@@ -7,6 +7,7 @@
 enum {
     TILE,
     TILE_CELL,
+    MORPH,
     COUNT,
     SIZE,
     SPACING,
@@ -25,6 +26,7 @@ enum {
 static const cli_option options[OPTIONS] = {
     [TILE] = {"tile", 't', CLI_FILE},
     [TILE_CELL] = {"tile-cell", 0, CLI_TEXT},
+    [MORPH] = {"morph", 0, CLI_FILE},
     [COUNT] = {"count", 'c', CLI_TEXT},
     [SIZE] = {"size", 's', CLI_TEXT},
     [SPACING] = {"spacing", 0, CLI_TEXT},
@@ -117,6 +119,7 @@ static bool set(cli_job *job, const char *name, int option, const char *text)
     switch (option) {
     case TILE: return (job->tile = text) != NULL;
     case TILE_CELL: return job->has_cell = cli_set_cell(name, text, job->cell);
+    case MORPH: return (job->morph = text) != NULL;
     case COUNT: forget_cells(job); return cli_int_pair(name, text, 1, CLI_MAX_COUNT, o->count);
     case SIZE: forget_cells(job); return set_size(job, name, text);
     case SPACING: return set_spacing(name, text, o);

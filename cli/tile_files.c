@@ -245,5 +245,16 @@ int cli_read_tile(cli_session *session, kn_tile *out, const char *name, const do
 
 int cli_read_job_tile(cli_session *session, kn_tile *out, cli_job *job)
 {
-    return read_tile(session, out, job->tile, job->has_cell ? job->cell : NULL, job);
+    const double *cell = job->has_cell ? job->cell : NULL;
+    if (!job->morph) return read_tile(session, out, job->tile, cell, job);
+    kn_tile from = {0}, to = {0};
+    int code = read_tile(session, &from, job->tile, cell, job);
+    if (code == EXIT_OK) code = read_tile(session, &to, job->morph, cell, NULL);
+    if (code == EXIT_OK) {
+        kn_status status = kn_tile_morph(cli_ctx(session), out, &from, &to);
+        if (status != KN_OK) code = cli_fail(session, status, true);
+    }
+    kn_tile_clear(cli_ctx(session), &from);
+    kn_tile_clear(cli_ctx(session), &to);
+    return code;
 }

@@ -27,8 +27,8 @@ static kn_status note(kn_ctx *ctx, void *user, const unsigned char *state, size_
     return status;
 }
 
-kn_status kn_run_with_journal(kn_ctx *ctx, const kn_job *job, kn_sink *sinks, int nsinks, const char *journal,
-                              bool resume, double seconds, uint64_t identity)
+kn_status kn_run_with_journal(kn_ctx *ctx, const kn_job *const *jobs, int njobs, kn_sink *sinks, int nsinks,
+                              const char *journal, bool resume, double seconds, uint64_t identity)
 {
     journal_file to = {journal};
     kn_job_notes notes = {.user = &to, .note = note, .seconds = seconds, .identity = identity};
@@ -41,7 +41,9 @@ kn_status kn_run_with_journal(kn_ctx *ctx, const kn_job *job, kn_sink *sinks, in
         notes.state = (const unsigned char *)text;
         notes.bytes = bytes;
     }
-    if (status == KN_OK) status = kn_job_run_from(ctx, job, sinks, nsinks, &notes);
+    if (status == KN_OK)
+        status = njobs == 1 ? kn_job_run_from(ctx, jobs[0], sinks, nsinks, &notes)
+                            : kn_job_run_layers_from(ctx, jobs, njobs, sinks, nsinks, &notes);
     kn_free(ctx, text);
     errno = 0;
     if (status == KN_OK && remove(journal) != 0 && errno != ENOENT)

@@ -26,14 +26,18 @@ static void loop_path(kn_text *t, const kn_slice_loop *loop, double unit)
     kn_text_put(t, loop->closed ? "Z\n" : "\n");
 }
 
-static void paths(kn_text *t, const kn_slice *layer, double unit, bool closed)
+// stroke: of open contours, which have no inside to fill.
+static void paths(kn_text *t, const kn_slice *layer, double unit, bool closed, double stroke)
 {
     bool any = false;
     for (size_t i = 0; i < layer->nloops; i++) {
         if (layer->loops[i].closed != closed) continue;
-        if (!any)
-            kn_text_put(t, closed ? "<path class=\"closed\" fill=\"#222\" fill-rule=\"nonzero\" d=\"\n"
-                                  : "<path class=\"open\" fill=\"none\" stroke=\"#c22\" stroke-width=\"0.1\" d=\"\n");
+        if (!any && closed) {
+            kn_text_put(t, "<path class=\"closed\" fill=\"#222\" fill-rule=\"nonzero\" d=\"\n");
+        } else if (!any) {
+            number(t, "<path class=\"open\" fill=\"none\" stroke=\"#c22\" stroke-width=\"", stroke);
+            kn_text_put(t, "\" d=\"\n");
+        }
         any = true;
         loop_path(t, &layer->loops[i], unit);
     }
@@ -54,8 +58,8 @@ static void format(kn_text *t, const kn_slice *layer, const kn_svg_options *o)
     number(t, " ", height);
     number(t, "\">\n<title>z = ", layer->z * unit);
     kn_text_put(t, " mm</title>\n<g transform=\"scale(1,-1)\">\n");
-    paths(t, layer, unit, true);
-    paths(t, layer, unit, false);
+    paths(t, layer, unit, true, 0.0);
+    paths(t, layer, unit, false, width / 600.0);
     kn_text_put(t, "</g>\n</svg>\n");
 }
 

@@ -17,20 +17,26 @@
 // More roundings than any composition makes, gamma(n) about n 2^-53 (docs/numerics.md, compose).
 static const double roundings = 8192.0 * 0x1p-53;
 
+static void clear_pieces(kn_ctx *ctx, kn_job_bounds_pieces *p)
+{
+    for (size_t i = 0; i < p->n; i++) kn_bezier_clear(ctx, &p->list[i]);
+    kn_free(ctx, p->list);
+    for (int d = 0; d < 2; d++) kn_free(ctx, p->breaks[d]);
+}
+
 void kn_job_bounds_clear(kn_ctx *ctx, kn_job_bounds *b)
 {
     for (int s = 0; b->surfaces && s < b->job->nsurfaces; s++) {
         kn_job_bounds_surface *to = &b->surfaces[s];
-        for (size_t i = 0; i < to->npieces; i++) kn_bezier_clear(ctx, &to->pieces[i]);
-        kn_free(ctx, to->pieces);
-        for (int d = 0; d < 2; d++) kn_free(ctx, to->breaks[d]);
+        clear_pieces(ctx, &to->s);
+        clear_pieces(ctx, &to->n);
         kn_spline_clear(ctx, &to->volume);
     }
     kn_free(ctx, b->surfaces);
     *b = (kn_job_bounds){0};
 }
 
-static kn_status take_pieces(kn_ctx *ctx, kn_job_bounds_surface *to, const kn_spline *s)
+static kn_status take_pieces(kn_ctx *ctx, kn_job_bounds_pieces *to, const kn_spline *s)
 {
     for (int d = 0; d < 2; d++) {
         to->nbreaks[d] = kn_spline_spans(s, d) + 1;
@@ -38,7 +44,7 @@ static kn_status take_pieces(kn_ctx *ctx, kn_job_bounds_surface *to, const kn_sp
         if (!to->breaks[d]) return KN_ENOMEM;
         (void)kn_knots_breaks(to->breaks[d], NULL, s->knots[d], s->degree[d], s->count[d]);
     }
-    return kn_spline_to_bezier(ctx, &to->pieces, &to->npieces, s);
+    return kn_spline_to_bezier(ctx, &to->list, &to->n, s);
 }
 
 // Heights that are a little apart, for T as a volume.
@@ -67,6 +73,13 @@ static void find_heights(double w[2], const kn_job *job)
     w[0] = -top, w[1] = top;
 }
 
+static bool has_mesh(const kn_job *job)
+{
+    for (int p = 0; p < job->tile.nparts; p++)
+        if (job->tile.parts[p].mesh.nvertices > 0) return true;
+    return false;
+}
+
 kn_status kn_job_bounds_init(kn_ctx *ctx, kn_job_bounds *out, const kn_job *job)
 {
     kn_job_bounds b = {.job = job};
@@ -82,7 +95,9 @@ kn_status kn_job_bounds_init(kn_ctx *ctx, kn_job_bounds *out, const kn_job *job)
         if (status == KN_OK && (job->has_fields || !kn_shell_normal(shell)->coef))
             status = take_volume(ctx, to, shell, b.w);
         else if (status == KN_OK)
-            status = take_pieces(ctx, to, kn_shell_surface(shell));
+            status = take_pieces(ctx, &to->s, kn_shell_surface(shell));
+        if (status == KN_OK && to->s.n > 0 && has_mesh(job))
+            status = take_pieces(ctx, &to->n, kn_shell_normal(shell));
     }
     if (status == KN_OK)
         *out = b;
@@ -124,10 +139,10 @@ static int find_break(const double *breaks, int n, double t)
     return lo;
 }
 
-// S over the parameters [a,b], one piece of it after the other. Local coordinates are off by a few roundings of
-// numbers near 1: so much wider.
-static kn_status surface_box(kn_ctx *ctx, double *lo, double *hi, const kn_job_bounds_surface *s, const double a[2],
-                             const double b[2])
+// S, or n, over the parameters [a,b], one piece after the other; the end pieces go on beyond the domain. Local
+// coordinates are off by a few roundings of numbers near 1: so much wider.
+static kn_status pieces_box(kn_ctx *ctx, double *lo, double *hi, const kn_job_bounds_pieces *s, const double a[2],
+                            const double b[2])
 {
     int first[2], last[2], at[2];
     for (int d = 0; d < 2; d++) {
@@ -146,7 +161,7 @@ static kn_status surface_box(kn_ctx *ctx, double *lo, double *hi, const kn_job_b
                 to[d] = at[d] < last[d] ? 1.0 : (b[d] - start) / width + more;
             }
             size_t index = (size_t)at[0] * (size_t)(s->nbreaks[1] - 1) + (size_t)at[1];
-            kn_status status = kn_bezier_box(ctx, least, most, &s->pieces[index], from, to);
+            kn_status status = kn_bezier_box(ctx, least, most, &s->list[index], from, to);
             if (status != KN_OK) return status;
             for (int c = 0; c < 3; c++) lo[c] = fmin(lo[c], least[c]), hi[c] = fmax(hi[c], most[c]);
         }
@@ -213,14 +228,19 @@ kn_status kn_job_bounds_box(kn_ctx *ctx, double lo[3], double hi[3], const kn_jo
         for (int c = 0; c < 3; c++) size = fmax(size, fmax(fabs(lo[c]), fabs(hi[c])));
         // a stand-in moves n by 2 e, of a thickness that fills the hull at most
         for (int c = 0; c < 3; c++) lo[c] -= 2.0 * tol * size, hi[c] += 2.0 * tol * size;
-    } else if ((!inside && e->drifts) || (apart && extra == 0.0)) {
+    } else if ((!inside && e->drifts && from->n.n == 0) || (apart && extra == 0.0)) {
         for (int c = 0; c < 3; c++) lo[c] = -INFINITY, hi[c] = INFINITY;
         return KN_OK;
     } else {
-        kn_status status = surface_box(ctx, lo, hi, from, a, b);
+        kn_status status = pieces_box(ctx, lo, hi, &from->s, a, b);
         if (status != KN_OK) return status;
         double n_lo[3] = {-1.0, -1.0, -1.0}, n_hi[3] = {1.0, 1.0, 1.0};
         if (inside) acting_box(n_lo, n_hi, kn_shell_normal(s->shell), a, b);
+        if (!inside && e->drifts) { // a mesh takes n as it goes on, patches a stand-in for the unit normal
+            status = pieces_box(ctx, n_lo, n_hi, &from->n, a, b);
+            if (status != KN_OK) return status;
+            for (int c = 0; c < 3; c++) n_lo[c] = fmin(n_lo[c], -1.0), n_hi[c] = fmax(n_hi[c], 1.0);
+        }
         for (int c = 0; c < 3; c++) {
             add_product(&lo[c], &hi[c], e->w, n_lo[c] - 2.0 * tol, n_hi[c] + 2.0 * tol);
             size = fmax(size, fmax(fabs(lo[c]), fabs(hi[c])));
@@ -244,6 +264,14 @@ static void turn_box(kn_job_extent *e, int turn)
     e->w[1] = -e->w[0], e->w[0] = -w;
 }
 
+bool kn_job_place_extent(kn_job_place *place, kn_job_extent *e, const kn_job *job, int surface, const int cell[2])
+{
+    if (kn_job_is_clipped(job, surface, cell, e->offset)) return false;
+    *place = kn_job_find_place(job, surface, cell, e->offset);
+    turn_box(e, place->turn);
+    return true;
+}
+
 kn_status kn_job_bounds_cell(kn_ctx *ctx, double lo[3], double hi[3], const kn_job_bounds *bounds, int surface,
                              const int cell[2], const kn_job_extents *extents)
 {
@@ -251,11 +279,9 @@ kn_status kn_job_bounds_cell(kn_ctx *ctx, double lo[3], double hi[3], const kn_j
     for (int c = 0; c < 3; c++) lo[c] = INFINITY, hi[c] = -INFINITY;
     for (int k = 0; status == KN_OK && k < extents->count; k++) {
         kn_job_extent e = extents->list[k];
-        double least[3], most[3], end[2][2];
-        kn_job_place place = kn_job_find_place(bounds->job, surface, cell, e.offset);
-        turn_box(&e, place.turn);
-        kn_job_clip_ends(end, bounds->job, &place);
-        if (kn_job_clip_box(e.lo, e.hi, (const double(*)[2])end) == KN_CLIP_OUTSIDE) continue;
+        kn_job_place place;
+        double least[3], most[3];
+        if (!kn_job_place_extent(&place, &e, bounds->job, surface, cell)) continue;
         status = kn_job_bounds_box(ctx, least, most, bounds, &place, &e);
         for (int c = 0; status == KN_OK && c < 3; c++) lo[c] = fmin(lo[c], least[c]), hi[c] = fmax(hi[c], most[c]);
     }

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Mesh parts of a tile, cut off at ends of the domain.
 //
-// A new vertex depends on the two ends of its edge alone, from the one with the smaller coordinate on: triangles on both
-// sides of an edge, and meshes of neighbouring cells, get the same one. On the line it lies exactly.
+// A new vertex depends on the two ends of its edge alone, from the one with the smaller coordinate on: triangles on
+// both sides of an edge, and meshes of neighbouring cells, get the same one. On the line it lies exactly.
 #include "job/internal.h"
 
 #include <math.h>

@@ -24,14 +24,17 @@ typedef struct composer {
     int *steps; // of the current cell's colours: kn_job_find_steps
 } composer;
 
-enum { MOST_KEPT = 1 << 20 }; // numbers, and patches / 16, of a product that is kept for another block
+enum {
+    MOST_KEPT = 1 << 20, // numbers, and patches / 16, of a product that is kept for another block
+    LINE = 8,            // numbers of a line of the caches
+};
 
 void kn_job_product_clear(kn_ctx *ctx, kn_job_product *p)
 {
     for (size_t i = 0; i < p->nplans; i++) kn_job_cell_plan_clear(ctx, &p->plans[i]);
     kn_free(ctx, p->plans);
     kn_free(ctx, p->patches);
-    kn_free(ctx, p->coef);
+    kn_free(ctx, p->memory);
     *p = (kn_job_product){0};
 }
 
@@ -55,9 +58,11 @@ static kn_status make_room(kn_ctx *ctx, kn_job_product *p, const kn_job_block *b
         p->patches_room = p->patches ? b->npatches : 0;
     }
     if (b->numbers > p->coef_room) {
-        kn_free(ctx, p->coef);
-        p->coef = kn_alloc(ctx, b->numbers, sizeof *p->coef);
-        p->coef_room = p->coef ? b->numbers : 0;
+        kn_free(ctx, p->memory);
+        p->memory = kn_alloc(ctx, b->numbers + LINE, sizeof *p->memory);
+        p->coef_room = p->memory ? b->numbers : 0;
+        size_t past = (uintptr_t)p->memory / sizeof *p->memory % LINE;
+        p->coef = p->memory ? p->memory + (past > 0 ? LINE - past : 0) : NULL;
     }
     if ((!p->patches && b->npatches > 0) || (!p->coef && b->numbers > 0)) return KN_ENOMEM;
     if (b->npatches > 0) memset(p->patches, 0, b->npatches * sizeof *p->patches);

@@ -12,7 +12,7 @@ kn_status kn_job_cross(kn_ctx *ctx, bool *crossed, kn_job_cell_plan *plan, const
     kn_job_leaf part = *leaf; // with what the tile's own trim, and the ends, leave of it
     *crossed = false;
     kn_crossing_init(&few, &x, plan, &part, place, d);
-    if (!few || d->nvars > 2) return KN_OK;
+    if (!few) return KN_OK;
     if (d->nvars == 1) return kn_cross_curve(ctx, crossed, &x);
     bool one_box = x.n[0] == 0 && x.n[1] == 0, clipped = kn_cross_is_clipped(&x); // one box: exact, nothing to cut
     if (way == KN_CROSSING_REFUSE && !(one_box && clipped)) return KN_OK;
@@ -22,8 +22,8 @@ kn_status kn_job_cross(kn_ctx *ctx, bool *crossed, kn_job_cell_plan *plan, const
     if (status == KN_OK && !any)
         *crossed = true;
     else if (status == KN_OK && fits)
-        status = one_box || way == KN_CROSSING_TRIM ? kn_cross_trim(ctx, crossed, &x)
-                                                    : kn_cross_fit(ctx, crossed, &x);
+        status = d->nvars == 2 && (one_box || way == KN_CROSSING_TRIM) ? kn_cross_trim(ctx, crossed, &x)
+                                                                       : kn_cross_fit(ctx, crossed, &x);
     kn_trim_clear(ctx, &part.trim);
     return status;
 }

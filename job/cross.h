@@ -48,8 +48,8 @@ double kn_crossing_rounding(const kn_crossing *x, int i, int j);
 
 // ---- cross_clip.c ----
 bool kn_cross_is_clipped(const kn_crossing *x);
-// Cuts *trim, of D, at the ends of the domain: x->leaf's crossing_tol holds there. *any: there is something left. *fits:
-// there are pieces, and the tolerance is met; else nothing else has changed.
+// Cuts *trim, of D, at the ends of the domain, within crossing_tol. *any: there is something left. *fits: there are
+// pieces, and the tolerance is met; else nothing else has changed.
 kn_status kn_cross_clip(kn_ctx *ctx, bool *fits, bool *any, kn_trim *trim, kn_crossing *x);
 
 // ---- cross_curve.c ----

@@ -154,8 +154,8 @@ static kn_status try_piece(kn_ctx *ctx, bool *fits, kn_crossing *x, int i, int j
     return *fits ? weight_stays(ctx, fits, x, i, j) : KN_OK;
 }
 
-// Over a whole cell where there is a piece, and else ever more closely around D: n may be no single polynomial over the
-// cell, and beyond the domain S may turn faster than anywhere on it.
+// Over a whole cell where there is a piece, and else ever more closely around D: n may be no single polynomial over
+// the cell, and beyond the domain S may turn faster than anywhere on it.
 kn_status kn_crossing_piece(kn_ctx *ctx, bool *fits, kn_crossing *x, int i, int j)
 {
     kn_status status = KN_OK;

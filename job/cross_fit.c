@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// A surface of the tile over several knot boxes: one untrimmed patch, close to T(D) everywhere.
+// A surface or volume of the tile over several knot boxes: one untrimmed patch, close to T(D) everywhere.
 //
-// It interpolates T(D) at sites that crowd towards the edges, so that its edges depend on T(D) along them alone. The
-// bound: where D meets one knot box the difference is a polynomial, composed exactly; where it meets several, every
-// one of their polynomials is bounded over the whole part, for each point has its image in one of the boxes. Parts
-// are quartered until the bound is met.
+// It interpolates T(D) at sites that crowd towards the ends, so that its edges and faces depend on T(D) along them
+// alone. The bound: where D meets one knot box the difference is a polynomial, composed exactly; where it meets several,
+// every one of their polynomials is bounded over the whole part, for each point has its image in one of the boxes.
+// Parts are cut in halves each way until the bound is met.
 #include "bezier/norm_bound.h"
 #include "job/cross.h"
 
@@ -12,7 +12,7 @@
 #include <knurl/fit.h>
 #include <math.h>
 
-enum { DEPTH = 6, PARTS = 400, PROBES = 8 };
+enum { DEPTH = 6, PARTS = 400, PROBES = 8, VARS = KN_JOB_VARS };
 
 typedef struct fitting {
     kn_crossing *x;
@@ -31,7 +31,7 @@ static int box_of(const kn_crossing *x, int var, double at)
 }
 
 // T(D) at (r,t): the piece of the box where D(r,t) lies.
-static kn_status value_at(kn_ctx *ctx, double out[3], const kn_crossing *x, const double at[2])
+static kn_status value_at(kn_ctx *ctx, double out[3], const kn_crossing *x, const double *at)
 {
     double d[3], origin[2], width[2], sum[4] = {0.0, 0.0, 0.0, 1.0};
     kn_status status = kn_bezier_eval(ctx, d, x->d, at);
@@ -59,27 +59,30 @@ static double site(int k, int degree)
     return 2 * k < degree ? x : 1.0 - x;
 }
 
-static kn_status interpolate(kn_ctx *ctx, fitting *f, const int degree[2])
+static kn_status interpolate(kn_ctx *ctx, fitting *f, int degree)
 {
-    double sites[2][KN_MAX_DEGREE + 1], line[2][2 * (KN_MAX_DEGREE + 1)];
-    const int count[2] = {degree[0] + 1, degree[1] + 1};
+    double sites[KN_MAX_DEGREE + 1], line[2 * (KN_MAX_DEGREE + 1)];
+    const int nvars = f->x->d->nvars, count = degree + 1;
     kn_spline s = {0};
     kn_bezier *pieces = NULL;
-    size_t n = (size_t)count[0] * (size_t)count[1], npieces = 0;
+    size_t n = 1, npieces = 0;
+    for (int v = 0; v < nvars; v++) n *= (size_t)count;
     kn_mark mark = kn_scratch_mark(ctx);
     double *values = kn_scratch(ctx, 3 * n, sizeof *values);
     kn_status status = values ? KN_OK : KN_ENOMEM;
-    for (int v = 0; v < 2; v++)
-        for (int k = 0; k < count[v]; k++) {
-            sites[v][k] = site(k, degree[v]);
-            line[v][k] = 0.0, line[v][count[v] + k] = 1.0;
-        }
+    for (int k = 0; k < count; k++) {
+        sites[k] = site(k, degree);
+        line[k] = 0.0, line[count + k] = 1.0;
+    }
     for (size_t k = 0; status == KN_OK && k < n; k++) {
-        const double at[2] = {sites[0][k / (size_t)count[1]], sites[1][k % (size_t)count[1]]};
+        double at[VARS];
+        size_t rest = k;
+        for (int v = nvars - 1; v >= 0; v--, rest /= (size_t)count) at[v] = sites[rest % (size_t)count];
         status = value_at(ctx, values + 3 * k, f->x, at);
     }
-    const double *const knot[2] = {line[0], line[1]}, *const where[2] = {sites[0], sites[1]};
-    if (status == KN_OK) status = kn_fit_interpolate(ctx, &s, 2, 3, degree, count, knot, where, values);
+    const int degrees[VARS] = {degree, degree, degree}, counts[VARS] = {count, count, count};
+    const double *const knot[VARS] = {line, line, line}, *const where[VARS] = {sites, sites, sites};
+    if (status == KN_OK) status = kn_fit_interpolate(ctx, &s, nvars, 3, degrees, counts, knot, where, values);
     if (status == KN_OK) status = kn_spline_to_bezier(ctx, &pieces, &npieces, &s);
     if (status == KN_OK) kn_bezier_swap(&f->fit, &pieces[0]);
     for (size_t k = 0; k < npieces; k++) kn_bezier_clear(ctx, &pieces[k]);
@@ -94,8 +97,10 @@ static kn_status probe(kn_ctx *ctx, double *most, const fitting *f)
 {
     kn_status status = KN_OK;
     *most = 0.0;
-    for (int k = 0; status == KN_OK && k < PROBES * PROBES; k++) {
-        const double at[2] = {(k / PROBES + 0.5) / PROBES, (k % PROBES + 0.5) / PROBES};
+    int n = f->x->d->nvars == 3 ? PROBES * PROBES * PROBES : PROBES * PROBES;
+    for (int k = 0; status == KN_OK && k < n; k++) {
+        const double at[VARS] = {(k / PROBES % PROBES + 0.5) / PROBES, (k % PROBES + 0.5) / PROBES,
+                                 (k / (PROBES * PROBES) + 0.5) / PROBES};
         double p[3], q[3];
         status = value_at(ctx, p, f->x, at);
         if (status == KN_OK) status = kn_bezier_eval(ctx, q, &f->fit, at);
@@ -136,8 +141,8 @@ static kn_status make_error(kn_ctx *ctx, fitting *f, int i, int j)
 }
 
 // *bound = that of |fit - T(D)| over a part, with the polynomial of one box: its coefficients there.
-static kn_status bound_with(kn_ctx *ctx, double *bound, const fitting *f, const double lo[2], const double hi[2],
-                            int i, int j)
+static kn_status bound_with(kn_ctx *ctx, double *bound, const fitting *f, const double *lo, const double *hi, int i,
+                            int j)
 {
     kn_bezier e = {0};
     kn_status status = kn_bezier_restrict(ctx, &e, &f->error[i][j], lo, hi);
@@ -166,7 +171,7 @@ static void boxes_met(int first[2], int last[2], const kn_crossing *x, const kn_
 }
 
 // f->bound rises to the bound over the part, or beyond f->tol.
-static kn_status bound_part(kn_ctx *ctx, fitting *f, const double lo[2], const double hi[2], int depth)
+static kn_status bound_part(kn_ctx *ctx, fitting *f, const double *lo, const double *hi, int depth)
 {
     kn_bezier d = {0};
     int first[2], last[2];
@@ -185,11 +190,11 @@ static kn_status bound_part(kn_ctx *ctx, fitting *f, const double lo[2], const d
         f->bound = fmax(f->bound, most);
         return KN_OK;
     }
-    for (int k = 0; status == KN_OK && f->bound <= f->tol && k < 4; k++) {
-        double from[2], to[2];
-        for (int v = 0; v < 2; v++) {
+    for (int k = 0; status == KN_OK && f->bound <= f->tol && k < 1 << f->x->d->nvars; k++) {
+        double from[VARS], to[VARS];
+        for (int v = 0; v < f->x->d->nvars; v++) {
             double middle = 0.5 * (lo[v] + hi[v]);
-            bool upper = v == 0 ? k / 2 == 1 : k % 2 == 1;
+            bool upper = (k >> (f->x->d->nvars - 1 - v) & 1) != 0;
             from[v] = upper ? middle : lo[v], to[v] = upper ? hi[v] : middle;
         }
         status = bound_part(ctx, f, from, to, depth + 1);
@@ -199,7 +204,7 @@ static kn_status bound_part(kn_ctx *ctx, fitting *f, const double lo[2], const d
 
 static kn_status bound_all(kn_ctx *ctx, fitting *f)
 {
-    static const double zero[2] = {0.0, 0.0}, one[2] = {1.0, 1.0};
+    static const double zero[VARS] = {0.0, 0.0, 0.0}, one[VARS] = {1.0, 1.0, 1.0};
     kn_status status = KN_OK;
     for (int i = 0; i <= f->x->n[0]; i++)
         for (int j = 0; status == KN_OK && j <= f->x->n[1]; j++) status = make_error(ctx, f, i, j);
@@ -219,7 +224,7 @@ static kn_status add(kn_ctx *ctx, fitting *f)
     if (status == KN_OK && piece->term[0].rational) { // the weight 1
         kn_bezier one = {0};
         size_t n = 3 * kn_bezier_count(&f->fit);
-        status = kn_bezier_init(ctx, &one, 2, 4, true, f->fit.degree);
+        status = kn_bezier_init(ctx, &one, f->fit.nvars, 4, true, f->fit.degree);
         for (size_t k = 0; status == KN_OK && k < n + n / 3; k++) one.coef[k] = k < n ? f->fit.coef[k] : 1.0;
         if (status == KN_OK) kn_bezier_swap(&f->fit, &one);
         kn_bezier_clear(ctx, &one);
@@ -243,7 +248,7 @@ kn_status kn_cross_fit(kn_ctx *ctx, bool *crossed, kn_crossing *x)
     for (size_t k = 0; status == KN_OK && fit && !*crossed && k < sizeof degrees / sizeof *degrees; k++) {
         double seen = 0.0;
         if (degrees[k] > x->plan->job->options.max_degree) break;
-        status = interpolate(ctx, &f, (const int[2]){degrees[k], degrees[k]});
+        status = interpolate(ctx, &f, degrees[k]);
         if (status == KN_OK) status = probe(ctx, &seen, &f);
         if (status != KN_OK || seen > 0.4 * f.tol) continue; // the rest is for the bound, beside lines
         status = bound_all(ctx, &f);

@@ -90,7 +90,8 @@ static kn_status add_term(kn_ctx *ctx, sums *s, const kn_crossing *x, const side
 // (kn_bezier_compose), which D's reach beyond the box makes larger.
 static double composition(const kn_crossing *x, const kn_shell_piece *piece, const int a[2])
 {
-    double origin[2], width[2], most = 0.0, terms = (x->d->degree[0] + 1.0) * (x->d->degree[1] + 1.0);
+    double origin[2], width[2], most = 0.0, terms = 1.0;
+    for (int v = 0; v < x->d->nvars; v++) terms *= x->d->degree[v] + 1.0;
     kn_crossing_map(origin, width, x, a[0], a[1]);
     for (int t = 0; t < piece->nterms; t++) {
         double grown = 1.0, p = piece->term[t].degree[0] + piece->term[t].degree[1] + piece->power[t];

@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-// What is in front of a box, pixel by pixel and then in a pyramid of them: N. Greene, M. Kass, G. Miller, Hierarchical
-// Z-buffer visibility, SIGGRAPH 1993.
+// What is in front of a box, pixel by pixel and then in a pyramid of them: N. Greene, M. Kass, G. Miller,
+// Hierarchical Z-buffer visibility, SIGGRAPH 1993.
 //
 // A pixel of the buffer holds a depth before which every ray through any point of it has certainly been stopped,
 // INFINITY where none is known. Depth grows along every ray: clip w, which is 0 at the eye, or the way against the
 // direction towards a camera far away. A pixel of the pyramid holds the greatest of four of the level below.
 //
-// A disc of a surface stops every ray around whose point x in the picture the image of its border winds: that winding
-// number is the degree at x of the map from the disc to the picture, and where it is not 0 x has a preimage. Of the
-// border a polygon is known, and how far from each side the arc beside it may be: all that winds as often around x when
-// x is farther away than that.
+// A disc of a surface stops every ray around whose point x in the picture the image of its border winds: that
+// winding number is the degree at x of the map from the disc to the picture, and where it is not 0 x has a
+// preimage. Of the border a polygon is known, and how far from each side the arc beside it may be: all that winds
+// as often around x when x is farther away than that.
 #include "job/depth.h"
 
 #include <math.h>

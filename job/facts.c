@@ -18,8 +18,7 @@ size_t kn_job_numbers(const int degree[KN_JOB_VARS])
 size_t kn_job_columns(const kn_job_key *key)
 {
     size_t n = 0;
-    for (int t = 0; t < key->nterms; t++)
-        n += (size_t)(key->degree[t][0] + 1) * (size_t)(key->degree[t][1] + 1);
+    for (int t = 0; t < key->nterms; t++) n += (size_t)(key->degree[t][0] + 1) * (size_t)(key->degree[t][1] + 1);
     return n;
 }
 

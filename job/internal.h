@@ -485,7 +485,7 @@ bool kn_job_map_mirrors(const double map[3][4]);
 kn_status kn_job_map_meshes(kn_ctx *ctx, kn_job_cell_plan *plan, const kn_job_instance *instance);
 
 // ---- clip_mesh.c ----
-// Cuts off what of a mesh's (u,v) lies beyond the ends (kn_job_clip_ends), in place. *mesh unchanged on failure of a cut.
+// Cuts off what of a mesh's (u,v) lies beyond the ends (kn_job_clip_ends), in place.
 kn_status kn_job_clip_mesh(kn_ctx *ctx, kn_mesh *mesh, const double end[2][2]);
 
 // ---- facts.c ----

@@ -1,14 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // A set of keys.
 #include "job/internal.h"
-
-// The finalizer of SplitMix64.
-static uint64_t mix(uint64_t x)
-{
-    x = (x ^ x >> 30) * 0xbf58476d1ce4e5b9u;
-    x = (x ^ x >> 27) * 0x94d049bb133111ebu;
-    return x ^ x >> 31;
-}
+#include "kernel/hash.h"
 
 static uint64_t term_of(const kn_job_key *k, int t)
 {
@@ -42,7 +35,7 @@ static size_t find(const kn_job_keys *keys, const kn_job_key *key)
 {
     uint64_t terms = kind_of(key);
     for (int t = 0; t < key->nterms; t++) terms = terms * 0x9e3779b97f4a7c15u + term_of(key, t);
-    size_t at = (size_t)mix(place_of(key) ^ mix(terms));
+    size_t at = (size_t)kn_hash_add(terms, place_of(key));
     for (;; at++) {
         at &= keys->nslots - 1;
         if (keys->slot[at] == 0 || kn_job_same_key(key, &keys->list[keys->slot[at] - 1])) return at;

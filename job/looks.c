@@ -52,7 +52,7 @@ static int steps_of(const kn_job_color *c)
     return c->steps > 0 ? c->steps : DEFAULT_STEPS;
 }
 
-// Step k of n has the palette's colour at k / (n - 1) of its length, linear between its colours; of one step its middle.
+// Step k of n has the palette's colour at k / (n - 1) of its length, linear between its colours; one step the middle.
 static void color_of_step(double out[3], const kn_job_color *c, int k)
 {
     int n = steps_of(c);

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // What the base stops of the rays towards a camera: discs of it, drawn into a depth buffer.
 //
-// S is cut into a grid of pieces, a few pixels each. A disc is a square of them; its border is known from the control
-// points of arcs, in whose hull each arc is, in space and (all being before the camera) in the picture: it is as far from
-// its chord as they are. Squares of 2, 4 .. 32 pieces, each half over the next one, leave no gap between
-// themselves; over an edge that two surfaces share a disc consists of half a square on each side.
+// S is cut into a grid of pieces, a few pixels each. A disc is a square of them; its border is known from the
+// control points of arcs, in whose hull each arc is, in space and (all being before the camera) in the picture: it
+// is as far from its chord as they are. Squares of 2, 4 .. 32 pieces, each half over the next one, leave no gap
+// between themselves; over an edge that two surfaces share a disc consists of half a square on each side.
 //
-// A covering tile takes the base's place, everywhere within W = max |w| of the point of S under it. Over a disc it is a
-// disc too, whose border is within W of the other's: what is known of arcs and depths grows by that.
+// A covering tile takes the base's place, everywhere within W = max |w| of the point of S under it. Over a disc it
+// is a disc too, whose border is within W of the other's: what is known of arcs and depths grows by that.
 #include "job/depth.h"
 #include "kernel/parallel.h"
 
@@ -74,7 +74,8 @@ typedef struct drawing {
 
 static double distance(const double *p, const double *a, const double *b)
 {
-    double d[2] = {b[0] - a[0], b[1] - a[1]}, q[2] = {p[0] - a[0], p[1] - a[1]}, length = d[0] * d[0] + d[1] * d[1];
+    const double d[2] = {b[0] - a[0], b[1] - a[1]}, q[2] = {p[0] - a[0], p[1] - a[1]},
+                 length = d[0] * d[0] + d[1] * d[1];
     double t = length > 0.0 ? fmin(fmax((q[0] * d[0] + q[1] * d[1]) / length, 0.0), 1.0) : 0.0;
     return hypot(q[0] - t * d[0], q[1] - t * d[1]);
 }
@@ -155,8 +156,8 @@ static bool meets_itself(const grid *g, int d)
 static int wanted_pieces(const drawing *d, const kn_job_bounds_surface *s)
 {
     double least[2] = {INFINITY, INFINITY}, most[2] = {-INFINITY, -INFINITY};
-    for (size_t i = 0; i < s->npieces; i++) {
-        const kn_bezier *b = &s->pieces[i];
+    for (size_t i = 0; i < s->s.n; i++) {
+        const kn_bezier *b = &s->s.list[i];
         size_t n = kn_bezier_count(b);
         for (size_t k = 0; k < n; k++) {
             double w = b->rational ? b->coef[3 * n + k] : 1.0, p[3];
@@ -174,14 +175,14 @@ static kn_status fill(kn_ctx *ctx, grid *g, const drawing *d, const kn_job_bound
 {
     kn_bezier one = {0};
     kn_status status = KN_OK;
-    int spans = s->nbreaks[1] - 1;
+    int spans = s->s.nbreaks[1] - 1;
     for (int i = 0; status == KN_OK && i < g->n[0]; i++)
         for (int j = 0; status == KN_OK && j < g->n[1]; j++) {
             const int at[2] = {i % parts[0], j % parts[1]};
             double lo[2], hi[2];
             for (int v = 0; v < 2; v++) lo[v] = (double)at[v] / parts[v], hi[v] = (double)(at[v] + 1) / parts[v];
             size_t piece = (size_t)(i / parts[0]) * (size_t)spans + (size_t)(j / parts[1]);
-            status = kn_bezier_restrict(ctx, &one, &s->pieces[piece], lo, hi);
+            status = kn_bezier_restrict(ctx, &one, &s->s.list[piece], lo, hi);
             if (status == KN_OK) status = take_piece(ctx, g, d, &one, s->size, i, j);
         }
     kn_bezier_clear(ctx, &one);
@@ -193,7 +194,7 @@ static kn_status make_grid(kn_ctx *ctx, grid *g, const drawing *d, int surface, 
     const kn_job_bounds_surface *s = &d->bounds->surfaces[surface];
     int parts[2];
     for (int v = 0; v < 2; v++) {
-        int spans = s->nbreaks[v] - 1;
+        int spans = s->s.nbreaks[v] - 1;
         parts[v] = (pieces + spans - 1) / spans;
         g->n[v] = spans * parts[v];
     }
@@ -242,8 +243,8 @@ static double farthest(const grid *g, const int first[2], const int size[2])
     return most;
 }
 
-// Squares of half the side, each half over the next one, leave no point nearer than a quarter of their side to all their
-// borders: where that is more than twice what borders cost, they have drawn all that this one could.
+// Squares of half the side, each half over the next one, leave no point nearer than a quarter of their side to all
+// their borders: where that is more than twice what borders cost, they have drawn all that this one could.
 static bool is_needed(const border *b, int side)
 {
     double least = INFINITY, most = 0.0;

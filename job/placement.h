@@ -27,13 +27,17 @@ kn_status kn_job_cell_extents(kn_ctx *ctx, kn_job_extents *out, const kn_job *jo
 void kn_job_extents_clear(kn_ctx *ctx, kn_job_extents *extents);
 
 // ---- bounds.c ----
-typedef struct kn_job_bounds_surface {
-    kn_bezier *pieces; // of S, on a grid of breaks; none where T is taken as a volume
-    size_t npieces;
+typedef struct kn_job_bounds_pieces { // of a spline, on a grid of breaks
+    kn_bezier *list;
+    size_t n;
     double *breaks[2];
     int nbreaks[2];
-    kn_spline volume; // T over bounds->w; empty: S and n are taken
-    double size;      // of S's coordinates
+} kn_job_bounds_pieces;
+typedef struct kn_job_bounds_surface {
+    kn_job_bounds_pieces s; // of S; none where T is taken as a volume
+    kn_job_bounds_pieces n; // of n, where meshes may reach beyond the domain
+    kn_spline volume;       // T over bounds->w; empty: S and n are taken
+    double size;            // of S's coordinates
 } kn_job_bounds_surface;
 typedef struct kn_job_bounds {
     const kn_job *job;
@@ -47,6 +51,8 @@ void kn_job_bounds_clear(kn_ctx *ctx, kn_job_bounds *bounds);
 // and the extent's offset are not looked at). -INFINITY, INFINITY: not known.
 kn_status kn_job_bounds_box(kn_ctx *ctx, double lo[3], double hi[3], const kn_job_bounds *bounds,
                             const kn_job_place *place, const kn_job_extent *extent);
+// Where an extent of a cell lies, and what it is in the coordinates there; false: it is cut off.
+bool kn_job_place_extent(kn_job_place *place, kn_job_extent *e, const kn_job *job, int surface, const int cell[2]);
 // One that contains all tiles of a cell, which occupy `extents`.
 kn_status kn_job_bounds_cell(kn_ctx *ctx, double lo[3], double hi[3], const kn_job_bounds *bounds, int surface,
                              const int cell[2], const kn_job_extents *extents);

@@ -60,21 +60,57 @@ static kn_job_clipped find_clipped(const kn_job *job, const kn_job_place *place,
     return kn_job_clip_box(lo, hi, (const double(*)[2])end);
 }
 
-static kn_status give_up(kn_ctx *ctx, const kn_job_cell_plan *plan, const kn_job_leaf *leaf, bool crosses)
+// What there is beyond the end of an open direction that D reaches over: NULL where it reaches over none.
+static const char *find_beyond(const kn_job *job, const kn_job_place *place, const kn_bezier *d)
+{
+    const kn_job_surface *s = &job->surfaces[place->surface];
+    kn_shell_edge edge[2][2];
+    const char *found = NULL;
+    kn_shell_edges(s->shell, edge);
+    size_t n = kn_bezier_count(d);
+    for (size_t i = 0; i < 2 * n && !found; i++) {
+        size_t c = i / n;
+        bool below = d->coef[i]<-place->cell[c], above = d->coef[i]> s->cells[c] - place->cell[c];
+        if (s->closed[c] || (!below && !above)) continue;
+        bool curve = edge[c][above].kind == KN_EDGE_CURVE, u = c == 0;
+        found = above ? (curve ? (u ? "the upper end of u" : "the upper end of v")
+                               : (u ? "the pole at the upper end of u" : "the pole at the upper end of v"))
+                      : (curve ? (u ? "the lower end of u" : "the lower end of v")
+                               : (u ? "the pole at the lower end of u" : "the pole at the lower end of v"));
+    }
+    return found;
+}
+
+// No piece fits any part of D.
+static kn_status give_up(kn_ctx *ctx, const kn_job_cell_plan *plan, const kn_job_leaf *leaf,
+                         const kn_job_place *place, const kn_bezier *d, bool crosses)
 {
     const kn_job_patch *p = kn_job_leaf_patch(plan, leaf);
-    const char *name = plan->job->tile.parts[p->part].name;
+    const char *name = plan->job->tile.parts[p->part].name, *beyond = find_beyond(plan->job, place, d);
     const kn_job_surface *s = &plan->job->surfaces[plan->surface];
     int cell[2] = {s->origin_cell[0] + plan->cell[0], s->origin_cell[1] + plan->cell[1]};
-    if (crosses) {
-        bool refused = plan->job->options.crossing == KN_CROSSING_REFUSE && p->d.nvars < 3;
+    kn_job_crossing way = plan->job->options.crossing;
+    if (crosses && way == KN_CROSSING_REFUSE) {
         return kn_fail(ctx, KN_EDOMAIN,
-                       "job: patch %d of tile part \"%s\" crosses a knot line of surface %d in cell %d,%d, and not "
-                       "along a parameter line of its own%s",
-                       p->patch, name, s->origin, cell[0], cell[1],
-                       refused ? ": --crossing trim cuts it along the line, --crossing approximate keeps it whole"
-                               : "");
+                       "job: %s %d of tile part \"%s\" crosses a knot line of surface %d in cell %d,%d, and not "
+                       "along a parameter line of its own: %s",
+                       p->d.nvars == 3 ? "volume" : "patch", p->patch, name, s->origin, cell[0], cell[1],
+                       p->d.nvars == 3
+                           ? "--crossing approximate takes a polynomial for it, within --crossing-tol"
+                           : "--crossing trim cuts it along the line, --crossing approximate keeps it whole");
     }
+    if (beyond)
+        return kn_fail(ctx, KN_EUNDECIDED,
+                       "job: patch %d of tile part \"%s\" in cell %d,%d of surface %d reaches beyond %s, where the "
+                       "extended surface has no normal of low degree within the tolerance: --border clip cuts it off "
+                       "there, a larger --normal-tol may do",
+                       p->patch, name, cell[0], cell[1], s->origin, beyond);
+    if (crosses)
+        return kn_fail(ctx, KN_EUNDECIDED,
+                       "job: patch %d of tile part \"%s\" crosses a knot line of surface %d in cell %d,%d: no pieces "
+                       "within the tolerances after %d bisections each way; a larger --crossing-tol may do%s",
+                       p->patch, name, s->origin, cell[0], cell[1], KN_JOB_MAX_DEPTH,
+                       way == KN_CROSSING_APPROXIMATE ? ", or --crossing trim" : "");
     return kn_fail(ctx, KN_EUNDECIDED,
                    "job: no normal of low degree within the tolerance for patch %d of tile part \"%s\" in cell %d,%d "
                    "of surface %d, after %d bisections each way",
@@ -150,7 +186,7 @@ static kn_status plan_rect(kn_ctx *ctx, kn_job_cell_plan *plan, const kn_job_lea
     if (status == KN_OK && !done) {
         bool refuse = crosses && plan->job->options.crossing == KN_CROSSING_REFUSE && d.nvars > 1;
         if (depth >= (refuse ? CROSSING_DEPTH : d.nvars * KN_JOB_MAX_DEPTH))
-            status = give_up(ctx, plan, leaf, crosses);
+            status = give_up(ctx, plan, leaf, place, &d, crosses);
         else
             status = choose_cut(ctx, &var, &d, *rect);
         if (status == KN_OK) status = plan_halves(ctx, plan, leaf, place, var);

@@ -5,6 +5,7 @@
 #include "kernel/parallel.h"
 
 #include <math.h>
+#include <stdatomic.h>
 #include <time.h>
 
 enum { STRIDE = 16 }; // blocks from one noted place to the next
@@ -27,15 +28,21 @@ typedef struct runner {
     const kn_job_notes *notes; // NULL: none
     size_t done;               // blocks before this run
     uint64_t identity;
-    double noted_at; // seconds
-    size_t ahead;    // blocks in flight, the most
-    // What block i is composed into is kept[i % ahead]: block i - ahead is committed, and was there before it.
-    kn_job_product *kept;
+    double noted_at;    // seconds
+    struct home *homes; // one for each block in flight
+    size_t nhomes;
 } runner;
+
+// Memory that blocks are composed into, one after the other.
+typedef struct home {
+    atomic_bool taken;
+    _Atomic(const kn_ctx *) last; // whose processor's cache may hold it; NULL: nobody's
+    kn_job_product kept;
+} home;
 
 typedef struct product {
     kn_job_product made;
-    kn_job_product *home; // in runner.kept, where its memory goes
+    home *home; // where its memory goes
     void **of_sink;
     int nworked; // sinks whose product is in of_sink
 } product;
@@ -125,7 +132,7 @@ static kn_status begin_sinks(kn_ctx *ctx, runner *r)
             if (!r->sinks[k].save || !r->sinks[k].restore)
                 return kn_fail(ctx, KN_EDOMAIN, "job: sink %d cannot be interrupted and gone on with", k);
         r->identity = kn_job_identity(r->job, r->notes->identity);
-        r->noted_at = -INFINITY; // the first block is noted, so that soon there is something to go on from
+        r->noted_at = -INFINITY;
     }
     if (r->notes && r->notes->state) {
         kn_job_state state = {r->identity, 0, r->nblocks, r->notes->state, r->notes->bytes};
@@ -141,12 +148,52 @@ static kn_status begin_sinks(kn_ctx *ctx, runner *r)
 
 // ---- the pipeline ----
 
+static home *take_free(const runner *r, const kn_ctx *last)
+{
+    for (size_t i = 0; i < r->nhomes; i++) {
+        home *h = &r->homes[i];
+        if (atomic_load_explicit(&h->last, memory_order_relaxed) != last) continue;
+        if (!atomic_exchange_explicit(&h->taken, true, memory_order_acquire)) return h;
+    }
+    return NULL;
+}
+
+// One that the worker has had before, or a new one, or any: one is free, for there are as many as blocks in flight.
+static home *take_home(const runner *r, const kn_ctx *worker)
+{
+    home *h = take_free(r, worker);
+    if (!h) h = take_free(r, NULL);
+    for (size_t i = 0; !h; i = (i + 1) % r->nhomes)
+        if (!atomic_exchange_explicit(&r->homes[i].taken, true, memory_order_acquire)) h = &r->homes[i];
+    atomic_store_explicit(&h->last, worker, memory_order_relaxed);
+    return h;
+}
+
+static kn_status make_homes(kn_ctx *ctx, runner *r, size_t n)
+{
+    r->homes = kn_alloc(ctx, n, sizeof *r->homes);
+    if (!r->homes) return KN_ENOMEM;
+    for (r->nhomes = 0; r->nhomes < n; r->nhomes++) {
+        atomic_init(&r->homes[r->nhomes].taken, false);
+        atomic_init(&r->homes[r->nhomes].last, NULL);
+        r->homes[r->nhomes].kept = (kn_job_product){0};
+    }
+    return KN_OK;
+}
+
+static void end_homes(kn_ctx *ctx, runner *r)
+{
+    for (size_t i = 0; i < r->nhomes; i++) kn_job_product_clear(ctx, &r->homes[i].kept);
+    kn_free(ctx, r->homes);
+}
+
 static void product_free(kn_ctx *ctx, const runner *r, product *p, int first_sink)
 {
     for (int k = first_sink; p->of_sink && k < p->nworked; k++)
         if (r->sinks[k].discard && p->of_sink[k]) r->sinks[k].discard(ctx, r->sinks[k].user, p->of_sink[k]);
     kn_job_product_empty(ctx, &p->made);
-    *p->home = p->made;
+    p->home->kept = p->made;
+    atomic_store_explicit(&p->home->taken, false, memory_order_release);
     kn_free(ctx, p->of_sink);
     kn_free(ctx, p);
 }
@@ -158,9 +205,8 @@ static kn_status work(kn_ctx *worker, void *user, size_t index, void **out)
     find_block(&block, r, r->done + index);
     product *p = kn_alloc_zero(worker, 1, sizeof *p);
     if (!p) return KN_ENOMEM;
-    p->home = &r->kept[index % r->ahead];
-    p->made = *p->home;
-    *p->home = (kn_job_product){0};
+    p->home = take_home(r, worker);
+    p->made = p->home->kept;
     p->of_sink = kn_alloc_zero(worker, (size_t)r->nsinks, sizeof *p->of_sink);
     kn_status status = p->of_sink ? kn_job_compose_block(worker, &p->made, r->job, r->matrices, &block) : KN_ENOMEM;
     for (; status == KN_OK && p->nworked < r->nsinks; p->nworked++) {
@@ -210,15 +256,16 @@ static kn_status run(kn_ctx *ctx, runner *r)
         if (!r->sinks[k].commit) return kn_fail(ctx, KN_EDOMAIN, "job: sink %d is closed, or has no commit", k);
     kn_status status = check_ranges(ctx, job, r->ranges, r->nranges);
     if (status == KN_OK) status = note_blocks(ctx, r);
-    if (status == KN_OK) status = kn_job_make_matrices(ctx, &r->matrices, job);
     if (status == KN_OK) status = begin_sinks(ctx, r);
-    r->ahead = 2 * (size_t)kn_ctx_threads(ctx) + 1;
-    if (status == KN_OK && !(r->kept = kn_alloc_zero(ctx, r->ahead, sizeof *r->kept))) status = KN_ENOMEM;
-    if (status == KN_OK) status = kn_pipeline_run(ctx, &pipeline, r->nblocks - r->done, r->ahead, "compose");
+    // Files that have begun are known from here on, whatever becomes of the run.
+    if (status == KN_OK && r->notes && r->notes->note) status = note_when_due(ctx, r, r->done);
+    if (status == KN_OK) status = kn_job_make_matrices(ctx, &r->matrices, job);
+    size_t ahead = 2 * (size_t)kn_ctx_threads(ctx) + 1;
+    if (status == KN_OK) status = make_homes(ctx, r, ahead);
+    if (status == KN_OK) status = kn_pipeline_run(ctx, &pipeline, r->nblocks - r->done, ahead, "compose");
     for (int k = 0; status == KN_OK && k < r->nsinks; k++)
         if (r->sinks[k].end) status = r->sinks[k].end(ctx, r->sinks[k].user);
-    for (size_t i = 0; r->kept && i < r->ahead; i++) kn_job_product_clear(ctx, &r->kept[i]);
-    kn_free(ctx, r->kept);
+    end_homes(ctx, r);
     kn_job_free_matrices(ctx, job, r->matrices);
     kn_free(ctx, r->noted);
     return status;

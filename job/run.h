@@ -43,7 +43,7 @@ kn_status kn_job_bands_get(kn_ctx *ctx, const double **rows, kn_job_bands *bands
 typedef struct kn_job_product {
     kn_patch_block block;
     kn_patch *patches;
-    double *coef;
+    double *coef, *memory; // coef: in memory, at a line of the caches
     size_t patches_room, coef_room;
     kn_job_cell_plan *plans; // of cells that have their own
     size_t nplans, plans_room;

@@ -2,22 +2,15 @@
 // What a run is noted as between two commits: which job, how far, and the sinks.
 #include "job/looks.h"
 #include "job/run.h"
+#include "kernel/hash.h"
 
 #include <string.h>
 
 // ---- identity ----
 
-// The finalizer of SplitMix64.
-static uint64_t mix(uint64_t x)
-{
-    x = (x ^ x >> 30) * 0xbf58476d1ce4e5b9u;
-    x = (x ^ x >> 27) * 0x94d049bb133111ebu;
-    return x ^ x >> 31;
-}
-
 static void take(uint64_t *h, uint64_t x)
 {
-    *h = mix(*h * 0x9e3779b97f4a7c15u + x);
+    *h = kn_hash_mix(*h * 0x9e3779b97f4a7c15u + x);
 }
 
 static void take_numbers(uint64_t *h, const double *x, size_t n)
@@ -86,7 +79,7 @@ static uint64_t checksum(const unsigned char *data, size_t bytes)
 {
     uint64_t h = bytes;
     for (size_t i = 0; i < bytes; i++) h = (h ^ data[i]) * 0x100000001b3u;
-    return mix(h);
+    return kn_hash_mix(h);
 }
 
 kn_status kn_job_save_state(kn_ctx *ctx, unsigned char **data, size_t *bytes, const kn_job_state *state,

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // kn_mesh_morph: one connectivity for two meshes.
 //
-// Both are laid flat onto the unit disk (kn_mesh_flatten), each with the border vertex that lies farthest in the
+// Closed ones meet on the sphere (mesh/closed.c). Disks are laid flat onto the unit disk (kn_mesh_flatten), each with the border vertex that lies farthest in the
 // first coordinate at (1,0). Triangles of a are quartered there, and each vertex is looked up in b: on the border by
 // its angle, inside by its barycentric coordinates in the triangle that has it.
 #include "kernel/context.h"
+#include "mesh/closed.h"
 #include "mesh/edges.h"
 
 #include <math.h>
@@ -274,22 +275,44 @@ static kn_status copy_both(kn_ctx *ctx, kn_mesh *mesh, double **target, const kn
     return KN_OK;
 }
 
-kn_status kn_mesh_morph(kn_ctx *ctx, kn_mesh *out, double **target, const kn_mesh *a, const kn_mesh *b)
+// A mesh of one piece each of whose edges has its two triangles or lies on the border, all of them on the same side.
+static bool is_surface(const kn_mesh_topology *t)
 {
-    if (same_triangles(a, b)) return copy_both(ctx, out, target, a, b);
-    kn_mesh_topology t[2];
-    kn_status status = kn_mesh_survey(ctx, &t[0], a);
-    if (status == KN_OK) status = kn_mesh_survey(ctx, &t[1], b);
-    for (int k = 0; k < 2 && status == KN_OK; k++)
-        if (t[k].components != 1 || t[k].irregular != 0 || t[k].loops != 1 || t[k].euler != 1)
-            status = kn_fail(
-                ctx, KN_EDOMAIN,
-                "mesh: the %s has %d components, %d border loops, Euler characteristic %ld and %zu irregular "
-                "edges; a common parameterization is found for disks alone: 1, 1, 1 and 0",
-                k == 0 ? "first" : "second", t[k].components, t[k].loops, t[k].euler, t[k].irregular);
-    if (status != KN_OK) return status;
+    return t->components == 1 && t->irregular == 0;
+}
+
+static bool is_disk(const kn_mesh_topology *t)
+{
+    return is_surface(t) && t->loops == 1 && t->euler == 1;
+}
+
+static bool is_sphere(const kn_mesh_topology *t)
+{
+    return is_surface(t) && t->loops == 0 && t->euler == 2;
+}
+
+static kn_status refuse(kn_ctx *ctx, const kn_mesh_topology *t, const char *which)
+{
+    const char *why = t->loops > 0 ? "is open, and the other one is closed" : "is closed, and the other one is open";
+    if (t->irregular > 0)
+        why = "is no surface that can be oriented";
+    else if (t->components != 1)
+        why = "is not in one piece";
+    else if (t->loops > 1)
+        why = "has holes";
+    else if (t->euler != 2 - t->loops)
+        why = "has handles";
+    return kn_fail(
+        ctx, KN_EDOMAIN,
+        "mesh: the %s has %d components, %d border loops, genus %ld and %zu irregular edges: it %s; a common "
+        "parameterization is found for two disks (1, 1, 0, 0) and for two closed surfaces (1, 0, 0, 0)",
+        which, t->components, t->loops, is_surface(t) ? (2 - t->loops - t->euler) / 2 : 0L, t->irregular, why);
+}
+
+static kn_status morph_disks(kn_ctx *ctx, kn_mesh *out, double **target, const kn_mesh *a, const kn_mesh *b)
+{
     flat from = {0}, to = {0};
-    status = lay_flat(ctx, &from, a);
+    kn_status status = lay_flat(ctx, &from, a);
     if (status == KN_OK) status = lay_flat(ctx, &to, b);
     for (int k = 0; k < MOST_ROUNDS && status == KN_OK && from.mesh.ntriangles < b->ntriangles; k++)
         status = quarter(ctx, &from);
@@ -305,4 +328,17 @@ kn_status kn_mesh_morph(kn_ctx *ctx, kn_mesh *out, double **target, const kn_mes
     flat_clear(ctx, &from);
     flat_clear(ctx, &to);
     return status;
+}
+
+kn_status kn_mesh_morph(kn_ctx *ctx, kn_mesh *out, double **target, const kn_mesh *a, const kn_mesh *b)
+{
+    if (same_triangles(a, b)) return copy_both(ctx, out, target, a, b);
+    kn_mesh_topology t[2];
+    kn_status status = kn_mesh_survey(ctx, &t[0], a);
+    if (status == KN_OK) status = kn_mesh_survey(ctx, &t[1], b);
+    if (status != KN_OK) return status;
+    if (is_sphere(&t[0]) && is_sphere(&t[1])) return kn_mesh_morph_closed(ctx, out, target, a, b);
+    if (is_disk(&t[0]) && is_disk(&t[1])) return morph_disks(ctx, out, target, a, b);
+    bool first = is_disk(&t[0]) || is_sphere(&t[0]), second = is_disk(&t[1]) || is_sphere(&t[1]);
+    return first && !second ? refuse(ctx, &t[1], "second") : refuse(ctx, &t[0], "first");
 }

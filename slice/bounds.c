@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// How fast (x, y) of a patch changes, and what rounding does to it: upper bounds from coefficients, rounding included.
+// How fast (x, y) of a patch changes, and what rounding does to it: upper bounds from coefficients.
 #include "slice/internal.h"
 
 #include "bezier/norm_bound.h"

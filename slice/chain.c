@@ -105,7 +105,8 @@ static size_t find_joins(join *list, const chains *c, const key *keys, double re
         for (size_t k = lower(keys, c->n, end[0] - reach, -INFINITY); k < c->n && keys[k].at[0] <= end[0] + reach;
              k++) {
             double distance = hypot(keys[k].at[0] - end[0], keys[k].at[1] - end[1]);
-            if (c->before[keys[k].line] != none || distance > reach || (cut && !c->lines[keys[k].line].cut[0]))
+            if (c->before[keys[k].line] != none || distance > reach ||
+                (cut && (!c->lines[keys[k].line].cut[0] || keys[k].line == i)))
                 continue;
             if (list) list[n] = (join){distance, i, keys[k].line};
             n++;
@@ -138,7 +139,7 @@ static kn_status link_near(kn_ctx *ctx, chains *c, const key *keys, double reach
 static kn_status link_trims(kn_ctx *ctx, chains *c, const key *keys, double reach)
 {
     kn_status status = KN_OK;
-    for (double factor = 8.0; status == KN_OK && factor <= 512.0; factor *= 8.0)
+    for (double factor = 8.0; status == KN_OK && factor <= 64.0; factor *= 8.0)
         status = link_near(ctx, c, keys, factor * reach, true);
     return status;
 }
@@ -182,9 +183,11 @@ static kn_status collect(kn_ctx *ctx, kn_slice *layer, const chains *c)
 }
 
 kn_status kn_slice_chain(kn_ctx *ctx, const kn_slice_lines *from, const kn_slice_line *lines, size_t n,
-                         const kn_slice_options *o, const kn_slice_note *note, kn_slice_fn fn, void *user)
+                         const kn_slice_window *w, const kn_slice_note *note, kn_slice_fn fn, void *user)
 {
     kn_mark mark = kn_scratch_mark(ctx);
+    const kn_slice_options *o = &w->options;
+    double reach = kn_slice_reach(w);
     chains c = {.from = from, .lines = lines, .n = n};
     c.next = kn_scratch(ctx, n, sizeof *c.next);
     c.before = kn_scratch(ctx, n, sizeof *c.before);
@@ -199,8 +202,8 @@ kn_status kn_slice_chain(kn_ctx *ctx, const kn_slice_lines *from, const kn_slice
     if (status == KN_OK) {
         if (n > 0) qsort(keys, n, sizeof *keys, by_place);
         link_equal(&c, keys);
-        status = link_near(ctx, &c, keys, kn_slice_reach(o, 0.0), false);
-        if (status == KN_OK) status = link_trims(ctx, &c, keys, kn_slice_reach(o, 0.0));
+        status = link_near(ctx, &c, keys, reach, false);
+        if (status == KN_OK && w->crossing) status = link_trims(ctx, &c, keys, reach);
     }
     if (status == KN_OK) status = collect(ctx, &layer, &c);
     layer.gap = c.gap;

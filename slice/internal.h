@@ -43,11 +43,15 @@ kn_status kn_slice_append(kn_ctx *ctx, kn_slice_lines *a, const kn_slice_lines *
 typedef struct kn_slice_window {
     kn_slice_options options;
     size_t first, end;
+    double apart;  // what patches of the job are apart by at most, where they meet
+    bool crossing; // it has pieces on both sides of knot lines
 } kn_slice_window;
 // KN_EDOMAIN where options are none.
 kn_status kn_slice_check(kn_ctx *ctx, const kn_slice_options *o);
 // How far apart ends may be that are joined: the option, or what the tolerance and the gap at knot lines ask for.
-double kn_slice_reach(const kn_slice_options *o, double crossing);
+double kn_slice_reach(const kn_slice_window *w);
+// What the reports of the jobs say of that; more than one: again and again.
+void kn_slice_meet(kn_slice_window *w, const kn_job_report *report);
 // A sink for the window alone: fn gets its layers.
 kn_status kn_slice_window_sink(kn_ctx *ctx, kn_sink *out, const kn_slice_window *window, kn_slice_fn fn, void *user);
 // The planes with lo < z <= hi, where zero counts as above: index from *from to before *to.
@@ -81,8 +85,8 @@ bool kn_slice_known_point(double out[2], const kn_slice_edge *edges, const doubl
 // ---- clip.c ----
 // The trim's loops as closed polylines within tol of it.
 kn_status kn_slice_outline(kn_ctx *ctx, kn_outline *out, const kn_trim *trim, double tol);
-// The parts of a line of zeros of f that lie in the region. Ends on the boundary are zeros of f to rounding, where there
-// is one within tol. *runs: *n of them, in scratch.
+// The parts of a line of zeros of f that lie in the region. Ends on the boundary are zeros of f to rounding, where
+// there is one within tol. *runs: *n of them, in scratch.
 kn_status kn_slice_clip(kn_ctx *ctx, kn_solve_curve **runs, size_t *n, const kn_outline *region,
                         const kn_solve_curve *curve, const kn_bezier *f, double tol);
 
@@ -94,6 +98,6 @@ kn_status kn_slice_mesh(kn_ctx *ctx, kn_slice_lines *out, const kn_slice_window 
                         const kn_mesh *mesh);
 // ---- chain.c ---- Joins the pieces of one plane, lines[0 .. n-1], into loops, and gives them to fn.
 kn_status kn_slice_chain(kn_ctx *ctx, const kn_slice_lines *from, const kn_slice_line *lines, size_t n,
-                         const kn_slice_options *o, const kn_slice_note *note, kn_slice_fn fn, void *user);
+                         const kn_slice_window *w, const kn_slice_note *note, kn_slice_fn fn, void *user);
 
 #endif

@@ -5,8 +5,6 @@
 // cut and forgotten again. A cell is composed as often as groups touch it.
 #include "slice/internal.h"
 
-#include <math.h>
-
 enum { MANY = 2048 };
 
 typedef struct work {
@@ -14,7 +12,6 @@ typedef struct work {
     kn_job_slabs **slabs;
     int njobs;
     const kn_slice_options *options;
-    double reach;
     kn_slice_fn fn;
     void *user;
     kn_slice_job_report report;
@@ -65,8 +62,11 @@ static kn_status run_job(kn_ctx *ctx, const work *w, int j, kn_sink *sink, doubl
 
 static kn_status slice_group(kn_ctx *ctx, work *w, size_t first, size_t end)
 {
-    kn_slice_window window = {*w->options, first, end};
-    window.options.join = w->reach;
+    kn_slice_window window = {*w->options, first, end, 0.0, false};
+    for (int j = 0; j < w->njobs; j++) {
+        const kn_job_report report = kn_job_describe(w->jobs[j]);
+        kn_slice_meet(&window, &report);
+    }
     kn_sink sink = {0};
     kn_status status = kn_slice_window_sink(ctx, &sink, &window, w->fn, w->user);
     if (status != KN_OK) return status;
@@ -101,9 +101,6 @@ kn_status kn_slice_job(kn_ctx *ctx, const kn_job *const *jobs, int njobs, const 
     w.slabs = kn_alloc_zero(ctx, (size_t)njobs, sizeof(kn_job_slabs *));
     if (!w.slabs) return KN_ENOMEM;
     for (int j = 0; status == KN_OK && j < njobs; j++) status = kn_job_slabs_create(ctx, &w.slabs[j], jobs[j]);
-    double crossing = 0.0;
-    for (int j = 0; j < njobs; j++) crossing = fmax(crossing, kn_job_describe(jobs[j]).crossing_error);
-    w.reach = kn_slice_reach(options, crossing);
     if (status == KN_OK) status = slice_all(ctx, &w);
     if (status == KN_OK && report) *report = w.report;
     for (int j = 0; j < njobs; j++) kn_job_slabs_destroy(ctx, w.slabs[j]);

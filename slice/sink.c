@@ -73,12 +73,11 @@ static kn_status commit(kn_ctx *ctx, void *user, const kn_patch_block *block, vo
     return status;
 }
 
-// Pieces on the two sides of a knot line are no nearer to each other than the job says.
 static kn_status begin(kn_ctx *ctx, void *user, const kn_tile *tile, const kn_job_report *report)
 {
     (void)ctx, (void)tile;
     slicer *s = user;
-    s->window.options.join = kn_slice_reach(&s->window.options, report->crossing_error);
+    kn_slice_meet(&s->window, report);
     return KN_OK;
 }
 
@@ -99,7 +98,7 @@ static kn_status end(kn_ctx *ctx, void *user)
     for (size_t plane = s->window.first, at = 0; status == KN_OK && plane < s->window.end; plane++) {
         size_t n = 0;
         while (at + n < l->nlines && l->list[at + n].plane == plane) n++;
-        status = kn_slice_chain(ctx, l, n > 0 ? l->list + at : NULL, n, &s->window.options,
+        status = kn_slice_chain(ctx, l, n > 0 ? l->list + at : NULL, n, &s->window,
                                 &s->notes[plane - s->window.first], s->fn, s->user);
         at += n;
     }
@@ -124,9 +123,19 @@ kn_status kn_slice_check(kn_ctx *ctx, const kn_slice_options *o)
     return KN_OK;
 }
 
-double kn_slice_reach(const kn_slice_options *o, double crossing)
+// Two sides of a seam have their own n, each within its certificate of the unit normal; of a knot line, pieces that
+// agree to the error of the crossing.
+void kn_slice_meet(kn_slice_window *w, const kn_job_report *report)
 {
-    return o->join > 0.0 ? o->join : fmax(o->tol, 2.0 * crossing);
+    double normal = report->normal.length_error + report->normal.angle_error;
+    double apart = report->crossing_error + 2.0 * report->stand_in_error + 2.0 * fabs(report->height) * normal;
+    if (isfinite(apart)) w->apart = fmax(w->apart, apart);
+    w->crossing = w->crossing || report->crossing_error > 0.0;
+}
+
+double kn_slice_reach(const kn_slice_window *w)
+{
+    return w->options.join > 0.0 ? w->options.join : fmax(w->options.tol, 2.0 * w->apart);
 }
 
 kn_status kn_slice_window_sink(kn_ctx *ctx, kn_sink *out, const kn_slice_window *window, kn_slice_fn fn, void *user)
@@ -154,6 +163,6 @@ kn_status kn_slice_window_sink(kn_ctx *ctx, kn_sink *out, const kn_slice_window 
 kn_status kn_slice_sink(kn_ctx *ctx, kn_sink *out, const kn_slice_options *options, kn_slice_fn fn, void *user)
 {
     kn_status status = kn_slice_check(ctx, options);
-    kn_slice_window all = {*options, 0, options->count};
+    kn_slice_window all = {*options, 0, options->count, 0.0, false};
     return status == KN_OK ? kn_slice_window_sink(ctx, out, &all, fn, user) : status;
 }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Values of a polynomial in Bernstein form in some operations for each coefficient: of t <= 1/2 it is
-// (1-t)^n sum C(n,i) c_i r^i, r = t / (1-t) <= 1, and of others t^n sum C(n,i) c_i r^(n-i), r = (1-t) / t (Schumaker and
-// Volk, Efficient evaluation of multivariate polynomials, CAGD 3, 1986).
+// (1-t)^n sum C(n,i) c_i r^i, r = t / (1-t) <= 1, and of others t^n sum C(n,i) c_i r^(n-i), r = (1-t) / t (Schumaker
+// and Volk, Efficient evaluation of multivariate polynomials, CAGD 3, 1986).
 #include "solve/curves.h"
 
 #include "kernel/binomial.h"

@@ -20,7 +20,8 @@ KN_API kn_gltf_options kn_gltf_defaults(void);
 
 // A sink that writes path as one binary file (.glb) or as JSON with its buffer embedded (.gltf).
 // Each part of the tile becomes one mesh with one material under a root node that scales length units to metres and
-// turns z upwards into glTF's y upwards; vertices stay in length units, as float32, with normals.
+// turns z upwards into glTF's y upwards; vertices stay in length units, as float32, with normals. Curves become the
+// segments of their polylines (kn_patch_line), one primitive of lines for all of a part.
 // in:    path and options are copied.
 // fails: KN_EDOMAIN another ending, unit_mm negative or not finite; KN_EIO the folder refuses a file; KN_ENOMEM.
 // While
@@ -32,7 +33,7 @@ KN_API KN_CHECKED kn_status kn_gltf_sink(kn_ctx *ctx, kn_sink *out, const char *
 
 // Writes the items of a scene in length units, z upwards, as a file like the sink's: a mesh and a material each, with
 // the colours of vertices as COLOR_0.
-// in:    every mesh has normals.
+// in:    every mesh has normals, or is empty, and then left out.
 // fails: KN_EDOMAIN another ending, unit_mm, no normals, an index out of range, beyond float32; KN_ELIMIT; KN_EIO,
 // also
 //        when extras is no JSON; KN_ENOMEM. Nothing is left behind.

@@ -57,13 +57,13 @@ int add_accessor(tinygltf::Model *model, int component, int type, size_t offset,
     return static_cast<int>(model->accessors.size()) - 1;
 }
 
-void set_range(tinygltf::Accessor *a, const float *vertex, size_t count)
+void set_range(tinygltf::Accessor *a, const float *vertex, size_t count, size_t step = 6)
 {
     for (size_t c = 0; c < 3; c++) {
         float lo = vertex[c], hi = vertex[c];
         for (size_t i = 1; i < count; i++) {
-            lo = vertex[6 * i + c] < lo ? vertex[6 * i + c] : lo;
-            hi = vertex[6 * i + c] > hi ? vertex[6 * i + c] : hi;
+            lo = vertex[step * i + c] < lo ? vertex[step * i + c] : lo;
+            hi = vertex[step * i + c] > hi ? vertex[step * i + c] : hi;
         }
         a->minValues.push_back(static_cast<double>(lo)), a->maxValues.push_back(static_cast<double>(hi));
     }
@@ -83,15 +83,14 @@ int add_material(tinygltf::Model *model, const part *p)
 }
 
 // Indices are 16 bits wide where they fit; 65535 itself is reserved for primitive restart.
-int add_indices(tinygltf::Model *model, const chunk *c)
+int add_indices(tinygltf::Model *model, const uint32_t *index, size_t n, size_t nvertices)
 {
-    size_t n = 3 * c->ntriangles;
-    if (c->nvertices > 65535) {
-        add_view(model, c->triangle, 4 * n, 0, TINYGLTF_TARGET_ELEMENT_ARRAY_BUFFER);
+    if (nvertices > 65535) {
+        add_view(model, index, 4 * n, 0, TINYGLTF_TARGET_ELEMENT_ARRAY_BUFFER);
         return add_accessor(model, TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT, TINYGLTF_TYPE_SCALAR, 0, n);
     }
     std::vector<uint16_t> narrow(n);
-    for (size_t i = 0; i < n; i++) narrow[i] = static_cast<uint16_t>(c->triangle[i]);
+    for (size_t i = 0; i < n; i++) narrow[i] = static_cast<uint16_t>(index[i]);
     add_view(model, narrow.data(), 2 * n, 0, TINYGLTF_TARGET_ELEMENT_ARRAY_BUFFER);
     return add_accessor(model, TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT, TINYGLTF_TYPE_SCALAR, 0, n);
 }
@@ -140,10 +139,9 @@ void add_animation(tinygltf::Model *model, size_t ntargets, double seconds)
     model->animations.push_back(animation);
 }
 
-void add_part(tinygltf::Model *model, const part *p)
+tinygltf::Primitive triangles_of(tinygltf::Model *model, const part *p)
 {
     const chunk *c = &p->mesh;
-    if (model->buffers.empty()) model->buffers.emplace_back();
     add_view(model, c->vertex, 24 * c->nvertices, 24, TINYGLTF_TARGET_ARRAY_BUFFER);
     tinygltf::Primitive primitive;
     primitive.mode = TINYGLTF_MODE_TRIANGLES;
@@ -157,15 +155,40 @@ void add_part(tinygltf::Model *model, const part *p)
         primitive.attributes["COLOR_0"] = add_accessor(model, TINYGLTF_COMPONENT_TYPE_FLOAT, TINYGLTF_TYPE_VEC3, 0,
                                                        c->nvertices);
     }
-    primitive.indices = add_indices(model, c);
-    primitive.material = add_material(model, p);
-
+    primitive.indices = add_indices(model, c->triangle, 3 * c->ntriangles, c->nvertices);
     add_targets(model, &primitive, p);
+    return primitive;
+}
+
+// All curves of a part: segments of one primitive, for one of each curve (a line strip) would need an accessor each.
+tinygltf::Primitive lines_of(tinygltf::Model *model, const lines *l)
+{
+    std::vector<uint32_t> ends;
+    ends.reserve(2 * (l->npoints - l->nlines));
+    uint32_t at = 0;
+    for (size_t k = 0; k < l->nlines; at += l->length[k++])
+        for (uint32_t i = 0; i + 1 < l->length[k]; i++) ends.push_back(at + i), ends.push_back(at + i + 1);
+    add_view(model, l->point, 12 * l->npoints, 12, TINYGLTF_TARGET_ARRAY_BUFFER);
+    tinygltf::Primitive primitive;
+    primitive.mode = TINYGLTF_MODE_LINE;
+    int position = add_accessor(model, TINYGLTF_COMPONENT_TYPE_FLOAT, TINYGLTF_TYPE_VEC3, 0, l->npoints);
+    set_range(&model->accessors[static_cast<size_t>(position)], l->point, l->npoints, 3);
+    primitive.attributes["POSITION"] = position;
+    primitive.indices = add_indices(model, ends.data(), ends.size(), l->npoints);
+    return primitive;
+}
+
+void add_part(tinygltf::Model *model, const part *p)
+{
+    if (model->buffers.empty()) model->buffers.emplace_back();
 
     tinygltf::Mesh mesh;
     mesh.name = p->name;
     mesh.weights.assign(p->ntargets, 0.0);
-    mesh.primitives.push_back(primitive);
+    if (p->mesh.ntriangles > 0) mesh.primitives.push_back(triangles_of(model, p));
+    if (p->curves.nlines > 0) mesh.primitives.push_back(lines_of(model, &p->curves));
+    const int material = add_material(model, p);
+    for (tinygltf::Primitive &primitive : mesh.primitives) primitive.material = material;
     tinygltf::Node node;
     node.name = p->name;
     node.mesh = static_cast<int>(model->meshes.size());
@@ -229,17 +252,18 @@ kn_status write_model(kn_ctx *ctx, kn_out_file *file, const file_options *o, par
     size_t total = 0, ntargets = 0;
     for (int i = 0; i < nparts; i++)
         total += ((parts[i].mesh.color ? 36 : 24) + 24 * parts[i].ntargets) * parts[i].mesh.nvertices +
-                 12 * parts[i].mesh.ntriangles + 4;
+                 12 * parts[i].mesh.ntriangles + 20 * parts[i].curves.npoints + 4;
     if (total > UINT32_MAX - (1u << 20)) // leaves room for the JSON: the lengths in a .glb have 32 bits
         return kn_fail(ctx, KN_ELIMIT, "gltf: %zu bytes of mesh, more than a glTF file holds", total);
     tinygltf::Model model;
     add_root(&model, o);
     for (int i = 0; i < nparts; i++) {
-        if (parts[i].mesh.ntriangles == 0) continue; // an accessor must not be empty
+        if (parts[i].mesh.ntriangles + parts[i].curves.nlines == 0) continue; // an accessor must not be empty
         if (model.buffers.empty()) model.buffers.emplace_back(), model.buffers[0].data.reserve(total);
         add_part(&model, parts + i);
         ntargets = parts[i].ntargets;
         clear_chunk(ctx, &parts[i].mesh);
+        clear_lines(ctx, &parts[i].curves);
     }
     if (ntargets > 0) add_animation(&model, ntargets, o->seconds);
     out_buffer buffer(ctx, file);
@@ -268,6 +292,30 @@ void clear_chunk(kn_ctx *ctx, chunk *c)
     kn_free(ctx, c->triangle);
     kn_free(ctx, c->color);
     *c = chunk{};
+}
+
+void clear_lines(kn_ctx *ctx, lines *l)
+{
+    kn_free(ctx, l->point);
+    kn_free(ctx, l->length);
+    *l = lines{};
+}
+
+bool reserve_lines(kn_ctx *ctx, lines *l, size_t npoints, size_t nlines)
+{
+    if (npoints > l->point_room) {
+        size_t room = npoints > 2 * l->point_room ? npoints : 2 * l->point_room;
+        void *p = l->point ? kn_resize(ctx, l->point, room, 12) : kn_alloc(ctx, room, 3 * sizeof(float));
+        if (!p) return false;
+        l->point = static_cast<float *>(p), l->point_room = room;
+    }
+    if (nlines > l->line_room) {
+        size_t room = nlines > 2 * l->line_room ? nlines : 2 * l->line_room;
+        void *p = l->length ? kn_resize(ctx, l->length, room, 4) : kn_alloc(ctx, room, sizeof(uint32_t));
+        if (!p) return false;
+        l->length = static_cast<uint32_t *>(p), l->line_room = room;
+    }
+    return true;
 }
 
 bool reserve(kn_ctx *ctx, chunk *c, size_t nvertices, size_t ntriangles)

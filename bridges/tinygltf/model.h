@@ -20,10 +20,18 @@ struct chunk {
     float *color; // linear RGB, 3 floats a vertex; NULL: none
 };
 
+// Polylines: points, 3 floats each, and how many of them each line has.
+struct lines {
+    size_t npoints, nlines, point_room, line_room;
+    float *point;
+    uint32_t *length;
+};
+
 struct part {
     char name[KN_NAME_BYTES];
     kn_material material;
     chunk mesh;
+    lines curves;
     float *targets; // ntargets morph targets: differences of position and normal, 6 floats a vertex; NULL: none
     size_t ntargets;
 };
@@ -38,6 +46,8 @@ struct file_options {
 
 void clear_chunk(kn_ctx *ctx, chunk *c);
 bool reserve(kn_ctx *ctx, chunk *c, size_t nvertices, size_t ntriangles);
+void clear_lines(kn_ctx *ctx, lines *l);
+bool reserve_lines(kn_ctx *ctx, lines *l, size_t npoints, size_t nlines);
 // Three floats. fails: KN_EDOMAIN beyond float32.
 kn_status to_float(kn_ctx *ctx, float *out, const double *in);
 // fails: KN_EDOMAIN another ending than .glb and .gltf, unit_mm; else *binary tells which, and *unit_mm is above 0.

@@ -18,10 +18,11 @@ struct sink {
     part *parts;
 };
 
-// What one block makes: a chunk for each part.
+// What one block makes: a chunk and lines for each part.
 struct product {
     int nparts;
     chunk *chunks;
+    lines *curves;
 };
 
 uint32_t hash_vertex(const float *v)
@@ -79,7 +80,9 @@ void discard(kn_ctx *ctx, void *, void *user_product)
     product *p = static_cast<product *>(user_product);
     if (!p) return;
     for (int i = 0; i < p->nparts && p->chunks; i++) clear_chunk(ctx, p->chunks + i);
+    for (int i = 0; i < p->nparts && p->curves; i++) clear_lines(ctx, p->curves + i);
     kn_free(ctx, p->chunks);
+    kn_free(ctx, p->curves);
     kn_free(ctx, p);
 }
 
@@ -97,19 +100,38 @@ kn_status begin(kn_ctx *ctx, void *user, const kn_tile *tile, const kn_job_repor
     return KN_OK;
 }
 
+// A curve as a polyline.
+kn_status add_line(kn_ctx *ctx, lines *l, const kn_patch *patch)
+{
+    size_t n = kn_patch_line_points(patch);
+    if (n == 0) return KN_OK;
+    kn_mark mark = kn_scratch_mark(ctx);
+    double *p = static_cast<double *>(kn_scratch(ctx, n, 3 * sizeof *p));
+    kn_status status = p && reserve_lines(ctx, l, l->npoints + n, l->nlines + 1) ? KN_OK : KN_ENOMEM;
+    if (status == KN_OK) status = kn_patch_line(ctx, p, patch);
+    for (size_t i = 0; i < n && status == KN_OK; i++)
+        status = to_float(ctx, l->point + 3 * (l->npoints + i), p + 3 * i);
+    if (status == KN_OK) l->length[l->nlines++] = static_cast<uint32_t>(n), l->npoints += n;
+    kn_scratch_release(ctx, mark);
+    return status;
+}
+
 kn_status work(kn_ctx *worker, void *user, const kn_patch_block *block, void **out)
 {
     const sink *s = static_cast<const sink *>(user);
     product *p = static_cast<product *>(kn_alloc_zero(worker, 1, sizeof *p));
     chunk *chunks = static_cast<chunk *>(kn_alloc_zero(worker, static_cast<size_t>(s->nparts), sizeof *chunks));
+    lines *curves = static_cast<lines *>(kn_alloc_zero(worker, static_cast<size_t>(s->nparts), sizeof *curves));
     kn_mesh mesh = {};
-    kn_status status = p && chunks ? KN_OK : KN_ENOMEM;
-    if (p) p->nparts = s->nparts, p->chunks = chunks;
+    kn_status status = p && chunks && curves ? KN_OK : KN_ENOMEM;
+    if (p) p->nparts = s->nparts, p->chunks = chunks, p->curves = curves;
     for (int i = 0; i < s->nparts && status == KN_OK; i++) {
         mesh.nvertices = mesh.ntriangles = 0;
         for (size_t k = 0; k < block->count && status == KN_OK; k++) {
             const kn_patch *patch = block->patches + k;
-            if (patch->look == i) status = kn_patch_tessellate(worker, &mesh, patch);
+            if (patch->look != i) continue;
+            status = kn_patch_tessellate(worker, &mesh, patch);
+            if (status == KN_OK) status = add_line(worker, curves + i, patch);
         }
         if (status == KN_OK && mesh.ntriangles > 0) status = convert(worker, chunks + i, &mesh, s->weld);
     }
@@ -120,6 +142,7 @@ kn_status work(kn_ctx *worker, void *user, const kn_patch_block *block, void **o
         discard(worker, user, p);
     } else {
         kn_free(worker, chunks);
+        kn_free(worker, curves);
     }
     return status;
 }
@@ -137,12 +160,27 @@ kn_status append(kn_ctx *ctx, chunk *to, const chunk *from)
     return KN_OK;
 }
 
+kn_status append_lines(kn_ctx *ctx, lines *to, const lines *from)
+{
+    size_t np = to->npoints + from->npoints, nl = to->nlines + from->nlines;
+    if (np >= UINT32_MAX / 20) return kn_fail(ctx, KN_ELIMIT, "gltf: %zu points of curves in one part", np);
+    if (from->nlines == 0) return KN_OK;
+    if (!reserve_lines(ctx, to, np, nl)) return KN_ENOMEM;
+    memcpy(to->point + 3 * to->npoints, from->point, 12 * from->npoints);
+    memcpy(to->length + to->nlines, from->length, 4 * from->nlines);
+    to->npoints = np, to->nlines = nl;
+    return KN_OK;
+}
+
 kn_status commit(kn_ctx *ctx, void *user, const kn_patch_block *, void *user_product)
 {
     sink *s = static_cast<sink *>(user);
     product *p = static_cast<product *>(user_product);
     kn_status status = KN_OK;
-    for (int i = 0; i < s->nparts && status == KN_OK; i++) status = append(ctx, &s->parts[i].mesh, p->chunks + i);
+    for (int i = 0; i < s->nparts && status == KN_OK; i++) {
+        status = append(ctx, &s->parts[i].mesh, p->chunks + i);
+        if (status == KN_OK) status = append_lines(ctx, &s->parts[i].curves, p->curves + i);
+    }
     discard(ctx, user, p);
     return status;
 }
@@ -159,7 +197,7 @@ void close_sink(kn_ctx *ctx, void *user)
     sink *s = static_cast<sink *>(user);
     if (!s) return;
     kn_out_close(ctx, s->file);
-    for (int i = 0; i < s->nparts; i++) clear_chunk(ctx, &s->parts[i].mesh);
+    for (int i = 0; i < s->nparts; i++) clear_chunk(ctx, &s->parts[i].mesh), clear_lines(ctx, &s->parts[i].curves);
     kn_free(ctx, s->parts);
     kn_free(ctx, s->name);
     kn_free(ctx, s);

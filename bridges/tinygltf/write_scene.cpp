@@ -16,7 +16,7 @@ kn_status fill(kn_ctx *ctx, part *out, const kn_scene_item *item, int index)
     chunk *c = &out->mesh;
     snprintf(out->name, sizeof out->name, "mesh %d", index);
     out->material = item->material;
-    if (!m.normal) return kn_fail(ctx, KN_EDOMAIN, "gltf: mesh %d has no normals", index);
+    if (!m.normal && m.nvertices > 0) return kn_fail(ctx, KN_EDOMAIN, "gltf: mesh %d has no normals", index);
     if (m.nvertices >= UINT32_MAX / 24 || m.ntriangles >= UINT32_MAX / 12)
         return kn_fail(ctx, KN_ELIMIT, "gltf: %zu vertices and %zu triangles in one mesh", m.nvertices, m.ntriangles);
     if (!reserve(ctx, c, m.nvertices, m.ntriangles)) return KN_ENOMEM;
@@ -45,6 +45,10 @@ kn_status fill_targets(kn_ctx *ctx, part *out, const kn_scene *frames, int nfram
     const kn_mesh &base = frames[0].items[index].mesh;
     size_t n = base.nvertices;
     out->ntargets = static_cast<size_t>(nframes) - 1;
+    for (int f = 1; f < nframes && n == 0; f++)
+        if (frames[f].items[index].mesh.nvertices > 0)
+            return kn_fail(ctx, KN_EDOMAIN, "gltf: mesh %d is empty in the first frame, but not in frame %d", index,
+                           f);
     if (n == 0 || nframes == 1) return KN_OK;
     out->targets = static_cast<float *>(kn_alloc(ctx, 6 * n * out->ntargets, sizeof(float)));
     if (!out->targets) return KN_ENOMEM;

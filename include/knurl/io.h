@@ -110,7 +110,7 @@ KN_API KN_CHECKED kn_status kn_collect_sink(kn_ctx *ctx, kn_sink *out, kn_model 
 // Writes nothing. bytes: of the patches' coefficients as doubles.
 KN_API KN_CHECKED kn_status kn_null_sink(kn_ctx *ctx, kn_sink *out);
 
-// kn_job_run that can be interrupted: every `seconds` (0: 5; negative: after each block) how far it is goes to the file
+// kn_job_run, or of several layers kn_job_run_layers, that can be interrupted: at once, and every `seconds` (0: 5; negative: after each block), how far it is goes to the file
 // at `journal` (by convention the output's path and ".journal"), which is replaced in one step, and removed when all
 // went well. After a failure, a cancellation, or the end of the process the sinks' unfinished files stay beside it.
 // resume: goes on from there, where the journal exists, with new sinks for the same paths: the same bytes as without
@@ -118,8 +118,9 @@ KN_API KN_CHECKED kn_status kn_null_sink(kn_ctx *ctx, kn_sink *out);
 // in:     sinks: of files (STEP, STL, OBJ) and kn_null_sink; not those that hold all until the end (glTF).
 //         identity: as kn_job_notes: 0, or a number for fields and other functions of the job's options.
 // fails:  as kn_job_run_from; KN_EIO the journal cannot be written or read, or what it speaks of is gone.
-KN_API KN_CHECKED kn_status kn_run_with_journal(kn_ctx *ctx, const kn_job *job, kn_sink *sinks, int nsinks,
-                                                const char *journal, bool resume, double seconds, uint64_t identity);
+KN_API KN_CHECKED kn_status kn_run_with_journal(kn_ctx *ctx, const kn_job *const *jobs, int njobs, kn_sink *sinks,
+                                                int nsinks, const char *journal, bool resume, double seconds,
+                                                uint64_t identity);
 
 // One layer as an SVG drawing in millimetres: closed contours filled (nonzero), open ones as thin red lines.
 typedef struct kn_svg_options {

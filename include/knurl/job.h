@@ -35,7 +35,7 @@ typedef enum kn_job_side {
 // How tiles go on beyond the ends of a surface that is not closed (the vocabulary of other tools: extend, clip, cyclic).
 typedef enum kn_job_border {
     KN_BORDER_EXTEND, // what reaches beyond stays, over the surface extended as a polynomial
-    KN_BORDER_CLIP,   // what reaches beyond is cut off
+    KN_BORDER_CLIP,   // what reaches beyond is cut off: along a parameter line, or trimmed within crossing_tol
     KN_BORDER_CYCLIC, // what reaches beyond comes in at the other end
 } kn_job_border;
 
@@ -205,7 +205,7 @@ typedef struct kn_job_report {
     int even_instead;                // parts, of nparts, that kept even lines and S with KN_CELLS_FREE
     double stretch_error;            // relative, of the heights that follow the stretch (kn_cells_stretch)
     // Bound of |patch - T(D)|, and of the gap between trimmed pieces, where tile patches cross knot lines
-    // (options.crossing), length units, rounding included; 0: none does. Patches that are approximated side by side
+    // (options.crossing), and from trimmed edges to ends that clip, length units, rounding included; 0: none does. Patches that are approximated side by side
     // may be of different degrees: their gap is at most twice that.
     double crossing_error;
     // The most that one patch's trim has: curves, and their spans (those of a degree above 1 count 8 times).
@@ -365,7 +365,7 @@ KN_API kn_job_report kn_job_describe_layers(const kn_job *const *jobs, int njobs
 // How a run is noted so that it can go on after an interruption (io.h: kn_run_with_journal does it with a file).
 typedef struct kn_job_notes {
     void *user;
-    // Called between two commits: the run as bytes, from which kn_job_run_from goes on. NULL: never.
+    // Called before the first commit and between two: the run as bytes, from which kn_job_run_from goes on. NULL: never.
     kn_status (*note)(kn_ctx *ctx, void *user, const unsigned char *state, size_t bytes);
     double seconds;             // from one to the next; 0: 5; negative: after every block
     const unsigned char *state; // where to go on: what note was given; NULL: from the beginning
@@ -378,6 +378,9 @@ typedef struct kn_job_notes {
 //        of other sinks, or one that is damaged; what note answers.
 KN_API KN_CHECKED kn_status kn_job_run_from(kn_ctx *ctx, const kn_job *job, kn_sink *sinks, int nsinks,
                                             const kn_job_notes *notes);
+// The same of several layers (kn_job_run_layers); a state is of all of them. notes NULL: not noted.
+KN_API KN_CHECKED kn_status kn_job_run_layers_from(kn_ctx *ctx, const kn_job *const *jobs, int njobs, kn_sink *sinks,
+                                                   int nsinks, const kn_job_notes *notes);
 
 // Cells in the job's order: first .. first + count - 1.
 typedef struct kn_cell_range {

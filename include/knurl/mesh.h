@@ -115,13 +115,30 @@ KN_API KN_CHECKED kn_status kn_mesh_survey(kn_ctx *ctx, kn_mesh_topology *out, c
 //         triangulations, Math. Comp. 72 (2003); Pinkall & Polthier, Computing discrete minimal surfaces and their
 //         conjugates, Exp. Math. 2 (1993).
 KN_API KN_CHECKED kn_status kn_mesh_flatten(kn_ctx *ctx, double *xy, const kn_mesh *mesh, uint32_t start);
+// Lays a closed surface of genus 0 on the unit sphere without a fold, triangles counterclockwise seen from outside,
+// turned to where they are in space: stretched as little as moving one vertex at a time finds.
+// in:     mesh: one component, no border, Euler characteristic 2; triangles counterclockwise seen from outside.
+// out:    xyz: 3 numbers for each vertex, of length 1 to rounding; (0,0,0) for those that no triangle has.
+// fails:  KN_EDOMAIN no such surface, or one that touches itself at a vertex; KN_EUNDECIDED a vertex finds no place, a
+//         triangle vanishes, to rounding; KN_ECANCELLED, KN_ENOMEM; xyz unchanged.
+// error:  that each triangle is turned the right way is certain (det of its corners, with its rounding), and that
+//         they cover the sphere once.
+// cost:   n log n to take vertices away; some 60 moves of each, of about 1 us for each neighbour.
+// source: Praun & Hoppe, Spherical parametrization and remeshing, ACM TOG 22 (2003); Horn, Closed-form solution of
+//         absolute orientation using unit quaternions, JOSA A 4 (1987).
+KN_API KN_CHECKED kn_status kn_mesh_to_sphere(kn_ctx *ctx, double *xyz, const kn_mesh *mesh);
 // One connectivity for two meshes: out is a's surface, and vertex i of it turns into target[i] on b.
 // in:     the same triangles, vertex by vertex; or two disks (kn_mesh_flatten), over one flat disk then, the border
-//         vertices that lie farthest in the first coordinate on one another.
-// out:    mesh: initialised, overwritten; a's triangles, quartered up to four times until there are as many as b has;
-//         without normals. *target: 3 numbers a vertex, for kn_free. Positions on b are sampled: points of b's
-//         surface at a's vertices; what of b lies between them is lost.
-// fails:  KN_EDOMAIN neither (the message says what they are), KN_ELIMIT, and as kn_mesh_flatten; outputs unchanged.
+//         vertices that lie farthest in the first coordinate on one another; or two closed surfaces of genus 0
+//         (kn_mesh_to_sphere, but looking inwards or outwards), over one sphere, on which they keep their directions.
+// out:    mesh: initialised, overwritten; without normals; a's vertices come first. *target: 3 numbers a vertex, for
+//         kn_free. Disks: a's triangles, quartered up to four times until there are as many as b has; positions on b
+//         are sampled, points of b's surface at a's vertices; what of b lies between them is lost. Closed surfaces:
+//         the vertices of both and the crossings of their edges; each triangle lies in one of a and turns into one
+//         that lies in one of b, and all together are a, and b, to rounding.
+// fails:  KN_EDOMAIN neither (the message says what they are), KN_ELIMIT (2^24 triangles, about), and as
+//         kn_mesh_flatten and kn_mesh_to_sphere; outputs unchanged.
+// source: Alexa, Merging polyhedral shapes with scattered features, Visual Computer 16 (2000).
 KN_API KN_CHECKED kn_status kn_mesh_morph(kn_ctx *ctx, kn_mesh *out, double **target, const kn_mesh *a,
                                           const kn_mesh *b);
 

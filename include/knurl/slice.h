@@ -28,8 +28,8 @@ typedef struct kn_slice {
     // How far points lie from the contour of their patch at z, at most: certified, rounding included; of meshes, from
     // that of their triangles. Above tol only where doubtful > 0.
     double error;
-    // Places where rounding decided, and which `error` leaves out: planes that touch, double points, a tolerance finer
-    // than the numbers; ends on trims that are farther apart than `join`.
+    // Places where rounding decided, and which `error` leaves out: planes that touch, double points, a tolerance
+    // finer than the numbers; ends on trims that are farther apart than `join`.
     size_t doubtful;
 } kn_slice;
 
@@ -40,14 +40,14 @@ typedef struct kn_slice_options {
     double first, step; // layer k lies at z = first + k step; step > 0
     size_t count;       // of layers, at most 2^20
     double tol;         // of contours, length units, above 0
-    double join;        // ends that are no farther apart count as one; 0: tol, or twice the job's crossing_error
+    double join;        // ends that are no farther apart count as one; 0: tol, or what the job's report lets expect
 } kn_slice_options;
 
 // A sink that cuts every patch it gets with all layers: contours are polylines on composed patches, within tol of the
 // true contour, certified from coefficients; points on edges depend on the edge's control points alone, so that
 // contours of neighbouring patches meet bit for bit. Where a patch only touches a plane it counts as above it.
-// A trimmed patch: the contour of all of it, cut by the trim in (r,t). The patches on the two sides of a trim agree to
-// the job's crossing_error alone, and so do the ends there: they are joined, and `gap` tells over which distance.
+// A trimmed patch: the contour of all of it, cut by the trim in (r,t). The patches on the two sides of a trim agree
+// to the job's crossing_error alone, and so do the ends there: they are joined, and `gap` tells over which distance.
 // Surfaces, and the free faces of volumes; meshes by their triangles; curves have no inside and no contours.
 // fn gets all layers, empty ones among them, when the job ends.
 // out:    overwritten; kn_sink_close. bytes: none.

@@ -109,8 +109,40 @@ static void read_back(void **state)
     test_ctx_end(ctx, &memory);
 }
 
+// Colours that no cell has are meshes without triangles: left out, also of meshes that move.
+static void empty_meshes(void **state)
+{
+    (void)state;
+    test_memory memory = TEST_MEMORY_INIT;
+    kn_ctx *ctx = test_ctx(&memory, 1);
+    char path[TEST_PATH_BYTES];
+    test_tmp_path(path, "empty.glb");
+    double position[9] = {0, 0, 0, 1, 0, 0, 0, 1, 0}, normal[9] = {0, 0, 1, 0, 0, 1, 0, 0, 1};
+    uint32_t triangle[3] = {0, 1, 2};
+    const kn_mesh one = {
+        .nvertices = 3, .ntriangles = 1, .position = position, .normal = normal, .triangle = triangle};
+    kn_scene_item first[2] = {{.material = {{1, 0, 0}, 0, 1}}, {.mesh = one, .material = {{0, 1, 0}, 0, 1}}};
+    kn_scene_item second[2] = {first[0], first[1]};
+    const kn_scene frames[2] = {{first, 2}, {second, 2}};
+    kn_scene found = {0};
+    assert_int_equal(kn_gltf_write_frames(ctx, path, frames, 2, 1.0, NULL), KN_OK);
+    assert_int_equal(kn_gltf_read(ctx, &found, path), KN_OK);
+    assert_int_equal(found.nitems, 1);
+    assert_true(found.items[0].material.base_color[1] == 1 && found.items[0].mesh.ntriangles == 1);
+    kn_scene_clear(ctx, &found);
+    remove(path);
+    second[0].mesh = one; // it comes later
+    assert_int_equal(kn_gltf_write_frames(ctx, path, frames, 2, 1.0, NULL), KN_EDOMAIN);
+    assert_non_null(strstr(kn_ctx_message(ctx), "mesh 0 is empty"));
+    kn_ctx_clear_error(ctx);
+    second[0] = first[0], second[1].mesh = (kn_mesh){0}; // or goes
+    assert_int_equal(kn_gltf_write_frames(ctx, path, frames, 2, 1.0, NULL), KN_EDOMAIN);
+    kn_ctx_clear_error(ctx);
+    test_ctx_end(ctx, &memory);
+}
+
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(read_back)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(read_back), cmocka_unit_test(empty_meshes)};
     return cmocka_run_group_tests_name("bridges/colors", tests, NULL, NULL);
 }

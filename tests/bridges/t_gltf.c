@@ -257,6 +257,63 @@ static void wide_indices_where_they_are_needed(void **state)
     test_ctx_end(ctx, &memory);
 }
 
+// Curves of all blocks of a part are the segments of one primitive, beside its triangles or alone.
+static kn_patch make_curve(kn_ctx *ctx, double x0, int part, int segments)
+{
+    kn_patch p = {.id.part = part, .look = part, .segments = {segments}, .exact = true};
+    const double coef[6] = {x0, x0 + 2, 0, 4, 1, 1};
+    assert_int_equal(kn_bezier_init(ctx, &p.bezier, 1, 3, false, (int[1]){1}), KN_OK);
+    memcpy(p.bezier.coef, coef, sizeof coef);
+    return p;
+}
+
+static void check_lines(const glb *g, const char *primitive, int curves, const double *x0)
+{
+    size_t stride;
+    const char *accessors = member(g->json, "accessors");
+    assert_true(number(primitive, "mode") == 1);
+    const char *position = element(accessors, (int)number(member(primitive, "attributes"), "POSITION"));
+    const char *indices = element(accessors, (int)number(primitive, "indices"));
+    assert_true(number(position, "count") == 5 * curves && number(indices, "count") == 8 * curves);
+    const char *data = accessor_data(g, position, &stride), *index = accessor_data(g, indices, &stride);
+    for (int i = 0; i < 5 * curves; i++) {
+        float p[3];
+        memcpy(p, data + 12 * i, sizeof p);
+        assert_true((double)p[0] == x0[i / 5] + 0.5 * (i % 5) && p[1] == (float)(i % 5) && p[2] == 1.0f);
+    }
+    for (int i = 0; i < 8 * curves; i++) {
+        uint16_t at;
+        memcpy(&at, index + 2 * i, sizeof at);
+        assert_int_equal(at, i / 8 * 5 + i % 8 / 2 + i % 2);
+    }
+}
+
+static void curves_are_lines(void **state)
+{
+    (void)state;
+    test_memory memory = TEST_MEMORY_INIT;
+    kn_ctx *ctx = test_ctx(&memory, 1);
+    char path[TEST_PATH_BYTES];
+    test_tmp_path(path, "curves.glb");
+    kn_patch p[5] = {make_curve(ctx, 0, 0, 4), make_patch(ctx, 0, 0, 4, 2, false), make_curve(ctx, 2, 1, 4),
+                     make_curve(ctx, 4, 1, 4), make_curve(ctx, 6, 0, 4)};
+    assert_int_equal(write_patches(ctx, path, p, 5, 3, NULL), KN_OK);
+    glb g = open_glb(path);
+    const char *meshes = member(g.json, "meshes");
+    const char *first = member(element(meshes, 0), "primitives"), *second = member(element(meshes, 1), "primitives");
+    assert_true(number(element(first, 0), "mode") == 4);
+    check_lines(&g, element(first, 1), 2, (const double[2]){0, 6});
+    check_lines(&g, element(second, 0), 2, (const double[2]){2, 4});
+    close_glb(&g);
+    kn_scene scene = {0};
+    assert_int_equal(kn_gltf_read(ctx, &scene, path), KN_OK); // triangles alone are read
+    assert_int_equal(scene.nitems, 1);
+    kn_scene_clear(ctx, &scene);
+    clear_patches(ctx, p, 5);
+    remove(path);
+    test_ctx_end(ctx, &memory);
+}
+
 // ---- there and back ----
 
 // Model coordinates in millimetres to metres with y up: (x, y, z) -> (x, z, -y) / 1000. The rotation read from a
@@ -600,11 +657,11 @@ static kn_status write_two(kn_ctx *ctx, void *path)
 {
     test_memory memory = TEST_MEMORY_INIT;
     kn_ctx *own = test_ctx(&memory, 1); // the patches are not what is tested
-    kn_patch p[3] = {make_patch(own, 0, 0, 2, 2, false), make_patch(own, 2, 1, 2, 2, false),
-                     make_patch(own, 4, 0, 2, 2, false)};
-    kn_status status = write_patches(ctx, path, p, 3, 2, NULL);
+    kn_patch p[4] = {make_patch(own, 0, 0, 2, 2, false), make_patch(own, 2, 1, 2, 2, false),
+                     make_patch(own, 4, 0, 2, 2, false), make_curve(own, 6, 1, 4)};
+    kn_status status = write_patches(ctx, path, p, 4, 2, NULL);
     if (status != KN_OK) assert_nothing_at(path);
-    clear_patches(own, p, 3);
+    clear_patches(own, p, 4);
     test_ctx_end(own, &memory);
     return status;
 }
@@ -680,6 +737,7 @@ int main(void)
         cmocka_unit_test(colors_come_back),
         cmocka_unit_test(the_file_is_what_the_specification_says),
         cmocka_unit_test(wide_indices_where_they_are_needed),
+        cmocka_unit_test(curves_are_lines),
         cmocka_unit_test(reading_gives_back_what_was_written),
         cmocka_unit_test(a_job_of_nothing_is_a_valid_file),
         cmocka_unit_test(the_sink_refuses),

@@ -119,6 +119,30 @@ static void targets(void **state)
     free(files[0]), free(files[1]);
 }
 
+// One mesh becomes another one of other triangles; a mesh with a hole does not.
+static void metamorphosis(void **state)
+{
+    (void)state;
+    static const char four[] = "v .2 .2 0\nv .8 .2 0\nv .2 .8 0\nv .2 .2 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n";
+    static const char six[] =
+        "v .9 .5 .5\nv .1 .5 .5\nv .5 .9 .5\nv .5 .1 .5\nv .5 .5 1\nv .5 .5 0\nf 1 3 5\nf 3 2 5\n"
+        "f 2 4 5\nf 4 1 5\nf 3 1 6\nf 2 3 6\nf 4 2 6\nf 1 4 6\n";
+    char square[PATH_BYTES], a[PATH_BYTES], b[PATH_BYTES], out[PATH_BYTES], *file;
+    const unsigned char *bin;
+    write_square(square);
+    test_tmp_path(a, "four.obj"), test_tmp_path(b, "six.obj"), test_tmp_path(out, "morph.glb");
+    test_write_file(a, four, strlen(four)), test_write_file(b, six, strlen(six));
+    static const char what[] =
+        "animate '%s' --tile '%s' --morph '%s' --count 2,1 --vary 'morph={t}' --frames 3 -q -o '%s'";
+    assert_int_equal(run(what, square, a, b, out), 0);
+    json_t *root = open_glb(&file, &bin, out);
+    assert_int_equal(json_array_size(json_object_get(primitive_of(root, 0), "targets")), 2);
+    json_decref(root);
+    free(file);
+    test_write_file(b, six, strlen(six) - 8); // without its last triangle
+    assert_int_equal(run(what, square, a, b, out), 3);
+}
+
 // The same bytes each time, and pictures numbered from 1.
 static void pictures(void **state)
 {
@@ -221,6 +245,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
 #if KN_WITH_EMBREE && KN_WITH_PNG && KN_WITH_TINYGLTF
         cmocka_unit_test(targets),
+        cmocka_unit_test(metamorphosis),
         cmocka_unit_test(pictures),
         cmocka_unit_test(alike),
         cmocka_unit_test(layers),

@@ -194,7 +194,15 @@ static void layers(void **state)
     assert_true(bytes <= 84 + 50 * (size_t)count(r, "triangles"));
     json_decref(r);
     assert_int_equal(run("apply '%s' --dry-run --resume -o '%s'", path, out), 0);
-    assert_int_equal(run("apply '%s' --resume -o '%s'", path, out), 2);
+    char again[PATH_BYTES];
+    test_tmp_path(again, "resumed.stl");
+    assert_int_equal(run("apply '%s' -q --resume -o '%s'", path, again), 0);
+    size_t na, nb;
+    char *first = test_read_file(out, &na), *second = test_read_file(again, &nb);
+    assert_true(first && second && na == nb);
+    assert_memory_equal(first, second, na);
+    free(first);
+    free(second);
     static const char *const wrong[] = {
         "{\"tile\":\"bump\",\"on\":\"hills\"}",
         "{\"tile\":\"bump\",\"on\":1}",
@@ -215,6 +223,26 @@ static void layers(void **state)
         if (run("apply '%s' --dry-run", path) != 3) fail_msg("%s: %s", wrong[i], complained);
         assert_non_null(strstr(complained, "layers.json"));
     }
+}
+
+// Thirds can be said. Two squares.
+static void fractions(void **state)
+{
+    (void)state;
+    char base[PATH_BYTES];
+    make_square(base);
+    assert_int_equal(run("apply '%s' --tile bump --count 6 --stagger 1/3 --dry-run --json", base), 0);
+    json_t *r = printed_json();
+    assert_int_equal(count(r, "cells"), 72);
+    json_decref(r);
+    assert_int_equal(run("apply '%s' --tile bump --count 6/2,8/2 --shift -1/4,3/2 --dry-run --json", base), 0);
+    r = printed_json();
+    assert_int_equal(count(r, "cells"), 24);
+    json_decref(r);
+    static const char *const wrong[] = {"--stagger 1/",    "--stagger /3",   "--stagger 1/0",
+                                        "--stagger 1/2/3", "--stagger 1/17", "--count 1/2"};
+    for (size_t i = 0; i < sizeof wrong / sizeof *wrong; i++)
+        if (run("apply '%s' --tile bump --count 6 %s --dry-run", base, wrong[i]) == 0) fail_msg("%s", wrong[i]);
 }
 
 // The same bytes with a journal as without, and none is left.
@@ -248,8 +276,11 @@ static void resumed_runs(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(cells_that_are_there), cmocka_unit_test(values_that_make_no_sense),
-        cmocka_unit_test(meshes_as_tiles),      cmocka_unit_test(layers),
+        cmocka_unit_test(cells_that_are_there),
+        cmocka_unit_test(values_that_make_no_sense),
+        cmocka_unit_test(meshes_as_tiles),
+        cmocka_unit_test(layers),
+        cmocka_unit_test(fractions),
         cmocka_unit_test(resumed_runs),
     };
     return cmocka_run_group_tests_name("cli/options", tests, NULL, NULL);

@@ -46,6 +46,8 @@ static void layers(void **state)
     assert_int_equal(number(o, "layers"), 8);
     assert_int_equal(number(o, "contours"), 8); // one around the tube in each
     assert_int_equal(number(o, "open"), 0);
+    double error = json_real_value(json_object_get(o, "error"));
+    assert_true(error > 0 && error <= json_real_value(json_object_get(o, "tolerance")));
     assert_true(number(o, "cells_composed") >= 24);
     json_decref(o);
     snprintf(first, sizeof first, "%.*s-1.svg", (int)strlen(svg) - 4, svg);
@@ -106,6 +108,62 @@ static void what_tiles_hold(void **state)
     assert_non_null(strstr(complained, "no cell"));
 }
 
+// Curves have no inside: alone they are refused, beside surfaces left out aloud.
+static void curves(void **state)
+{
+    (void)state;
+    char tube[PATH_BYTES], svg[PATH_BYTES], tile[PATH_BYTES];
+    static const char curve[] = "100 1 0 0\n3 0\n2 2\n0 0 1 1\n0 0.5 0\n1 0.5 0.5\n";
+    static const char sheet[] = "200 1 0 0\n3 0\n2 2\n0 0 1 1\n2 2\n0 0 1 1\n0 0 0\n1 0 0\n0 1 0\n1 1 0\n";
+    write_tube(tube);
+    test_tmp_path(svg, "curves.svg");
+    test_tmp_path(tile, "curve.g2");
+    for (int k = 0; k < 2; k++) {
+        FILE *f = fopen(tile, "w");
+        assert_non_null(f);
+        fputs(curve, f);
+        if (k == 1) fputs(sheet, f);
+        assert_int_equal(fclose(f), 0);
+        int code = run("slice %s --tile %s --count 4,2 --height 0.1 --normal-tol 1e-2 --max-degree 40 --layer 0.5 "
+                       "--from 0 --to 2 -o %s",
+                       tube, tile, svg);
+        assert_int_equal(code, k == 0 ? 3 : 0);
+        assert_non_null(strstr(complained, "inside"));
+        assert_true((strstr(complained, "warning") != NULL) == (k == 1));
+    }
+}
+
+// A mesh that reaches beyond an open end: heights are found all the same, and nothing lies outside of them.
+static void meshes_beyond_the_end(void **state)
+{
+    (void)state;
+    char tube[PATH_BYTES], svg[PATH_BYTES], tile[PATH_BYTES];
+    write_tube(tube);
+    test_tmp_path(svg, "beyond.svg");
+    test_tmp_path(tile, "beyond.obj");
+    FILE *f = fopen(tile, "w");
+    assert_non_null(f);
+    fputs("v 0.1 -0.5 0\nv 0.9 0.1 0\nv 0.5 1.75 0\nv 0.5 0.5 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n", f);
+    assert_int_equal(fclose(f), 0);
+    long long contours[2];
+    for (int k = 0; k < 2; k++) {
+        // layers of 1/4 about z = -1/8, 1/8, .. in both
+        assert_int_equal(
+            run("slice %s --tile %s --count 5,2 --height 0.1 --normal-tol 1e-3 --layer 0.25 --json %s -o %s", tube,
+                tile, k == 0 ? "" : "--from -4 --to 6", svg),
+            0);
+        json_t *o = printed_json();
+        double bottom = json_real_value(json_object_get(o, "bottom"));
+        double top = json_real_value(json_object_get(o, "top"));
+        contours[k] = number(o, "contours");
+        assert_int_equal(number(o, "open"), 0);
+        // the mesh reaches from half a cell below 0 to three quarters of one above 2
+        if (k == 0) assert_true(bottom <= -0.5 && bottom > -0.7 && top >= 2.75 && top < 3);
+        json_decref(o);
+    }
+    assert_true(contours[0] > 0 && labs(contours[1] - contours[0]) <= 10); // layers lie elsewhere, one at each end
+}
+
 static void the_same_bytes(void **state)
 {
     (void)state;
@@ -150,8 +208,12 @@ static void refusals(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(layers), cmocka_unit_test(three_mf),
-                                       cmocka_unit_test(what_tiles_hold), cmocka_unit_test(the_same_bytes),
+    const struct CMUnitTest tests[] = {cmocka_unit_test(layers),
+                                       cmocka_unit_test(three_mf),
+                                       cmocka_unit_test(what_tiles_hold),
+                                       cmocka_unit_test(curves),
+                                       cmocka_unit_test(meshes_beyond_the_end),
+                                       cmocka_unit_test(the_same_bytes),
                                        cmocka_unit_test(refusals)};
     return cmocka_run_group_tests_name("cli/slice", tests, NULL, NULL);
 }

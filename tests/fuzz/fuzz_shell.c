@@ -162,6 +162,7 @@ static kn_status keep_nothing(kn_ctx *ctx, void *user, const unsigned char *stat
 static void run_sink(feed *f, const kn_job *job, kn_sink *sink)
 {
     const kn_cell_range ranges[2] = {{(size_t)feed_int(f, 0, 1), (size_t)feed_int(f, 0, 2)}, {2, 1}};
+    const kn_job *const layers[2] = {job, job};
     unsigned char state[64];
     switch (feed_byte(f) % 4) {
     case 0: feed_any(kn_job_run_cells(f->ctx, job, ranges, 1 + (size_t)feed_byte(f) % 2, sink, 1)); break;
@@ -169,10 +170,11 @@ static void run_sink(feed *f, const kn_job *job, kn_sink *sink)
         for (size_t i = 0; i < sizeof state; i++) state[i] = (unsigned char)feed_byte(f);
         kn_job_notes notes = {.note = keep_nothing, .seconds = -1.0};
         if (feed_byte(f) % 2) notes.state = state, notes.bytes = 1 + (size_t)feed_int(f, 0, 63);
-        feed_any(kn_job_run_from(f->ctx, job, sink, 1, &notes));
+        feed_any(feed_byte(f) % 2 ? kn_job_run_from(f->ctx, job, sink, 1, &notes)
+                                  : kn_job_run_layers_from(f->ctx, layers, 2, sink, 1, &notes));
         break;
     }
-    case 2: feed_any(kn_run_with_journal(f->ctx, job, sink, 1, "/dev/null/none.journal", false, 0.0, 0)); break;
+    case 2: feed_any(kn_run_with_journal(f->ctx, layers, 1, sink, 1, "/dev/null/none.journal", false, 0.0, 0)); break;
     default: feed_any(kn_job_run(f->ctx, job, sink, 1));
     }
 }

@@ -4,6 +4,7 @@
 #include "tests/fuzz/feed.h"
 
 #include <knurl/knurl.h>
+#include <string.h>
 
 static void no_message_without_failure(feed *f, kn_status status)
 {
@@ -46,6 +47,37 @@ static void make_mesh(feed *f, kn_mesh *out)
         out->triangle[(size_t)feed_byte(f) % (3 * out->ntriangles)] = (uint32_t)feed_byte(f);
     kn_bezier_clear(f->ctx, &b);
     kn_ctx_clear_error(f->ctx);
+}
+
+// A bipyramid over a few corners anywhere, some triangles turned over: closed, until then.
+static void make_closed(feed *f, kn_mesh *out)
+{
+    enum { MOST = 9 };
+    double position[3 * (MOST + 2)];
+    uint32_t triangle[6 * MOST], n = 3 + (uint32_t)feed_byte(f) % (MOST - 2);
+    for (uint32_t i = 0; i < 3 * (n + 2); i++) position[i] = feed_number(f);
+    for (uint32_t i = 0; i < n; i++) {
+        const uint32_t two[6] = {n, i, (i + 1) % n, n + 1, (i + 1) % n, i};
+        memcpy(triangle + 6 * i, two, sizeof two);
+    }
+    if (feed_byte(f) % 8 == 0) triangle[(uint32_t)feed_byte(f) % (6 * n)] = (uint32_t)feed_byte(f) % (n + 2);
+    const kn_mesh m = {.nvertices = n + 2, .ntriangles = 2 * (size_t)n, .position = position, .triangle = triangle};
+    feed_any(kn_mesh_copy(f->ctx, out, &m));
+    kn_ctx_clear_error(f->ctx);
+}
+
+static void closed_meshes(feed *f)
+{
+    kn_mesh a = {0}, b = {0}, both = {0};
+    double *target = NULL;
+    make_closed(f, &a), make_closed(f, &b);
+    double *xyz = feed_room(f, 3 * a.nvertices);
+    no_message_without_failure(f, kn_mesh_to_sphere(f->ctx, xyz, &a));
+    no_message_without_failure(f, kn_mesh_morph(f->ctx, &both, &target, &a, &b));
+    for (size_t k = 0; k < 3 * both.ntriangles; k++)
+        if (both.triangle[k] >= both.nvertices) abort();
+    kn_free(f->ctx, target);
+    kn_mesh_clear(f->ctx, &a), kn_mesh_clear(f->ctx, &b), kn_mesh_clear(f->ctx, &both);
 }
 
 static void meshes(feed *f)
@@ -117,9 +149,10 @@ static void jobs(feed *f, const kn_tile *tile)
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
     feed f = feed_begin(data, size);
-    int what = feed_byte(&f) % 3;
+    int what = feed_byte(&f) % 4;
     if (what == 0) fields(&f);
     if (what == 1) meshes(&f);
+    if (what == 3) closed_meshes(&f);
     if (what == 2) {
         kn_tile a = {0}, b = {0}, m = {0};
         make_tile(&f, &a), make_tile(&f, &b);

@@ -102,8 +102,8 @@ static bool exists(const char *path)
 }
 
 // One run into all kinds of files; at: the commit at which it stops. counted: of the counting sink.
-static kn_status run(kn_ctx *ctx, const kn_job *job, const paths *p, bool resume, size_t at, size_t *counted,
-                     size_t *commits)
+static kn_status run_jobs(kn_ctx *ctx, const kn_job *const *jobs, int njobs, const paths *p, bool resume, size_t at,
+                          size_t *counted, size_t *commits)
 {
     kn_sink sinks[SINKS] = {{0}};
     fuse f = {.at = at};
@@ -112,11 +112,17 @@ static kn_status run(kn_ctx *ctx, const kn_job *job, const paths *p, bool resume
     if (status == KN_OK) status = kn_obj_sink(ctx, &sinks[2], p->obj);
     if (status == KN_OK) status = kn_null_sink(ctx, &sinks[3]);
     sinks[4] = fuse_sink(&f);
-    if (status == KN_OK) status = kn_run_with_journal(ctx, job, sinks, SINKS, p->journal, resume, -1.0, 7);
+    if (status == KN_OK) status = kn_run_with_journal(ctx, jobs, njobs, sinks, SINKS, p->journal, resume, -1.0, 7);
     if (status == KN_OK) *counted = sinks[3].bytes(sinks[3].user);
     *commits = f.commits;
     for (int k = 0; k < SINKS; k++) kn_sink_close(ctx, &sinks[k]);
     return status;
+}
+
+static kn_status run(kn_ctx *ctx, const kn_job *job, const paths *p, bool resume, size_t at, size_t *counted,
+                     size_t *commits)
+{
+    return run_jobs(ctx, &job, 1, p, resume, at, counted, commits);
 }
 
 static void assert_same_file(const char *a, const char *b)
@@ -166,6 +172,47 @@ static void the_same_bytes(void **state)
     assert_same_file(whole.mtl, parts.mtl);
     remove_paths(&whole), remove_paths(&parts);
     kn_job_destroy(ctx, job);
+    test_ctx_end(ctx, &memory);
+    test_ctx_end(other, &two);
+}
+
+// Two layers, interrupted in each of them and between them; and at the very first block, where a note is there already.
+static void layers_too(void **state)
+{
+    (void)state;
+    test_memory memory = TEST_MEMORY_INIT, two = TEST_MEMORY_INIT;
+    kn_ctx *ctx = test_ctx(&memory, 1), *other = test_ctx(&two, 2);
+    kn_job *low = NULL, *high = NULL, *odd = NULL;
+    paths whole, parts;
+    size_t counted = 0, again = 0, blocks = 0, commits = 0;
+    name_paths(&whole, "layers"), name_paths(&parts, "some");
+    assert_int_equal(make_job(ctx, &low, COUNT, 0.1), KN_OK);
+    assert_int_equal(make_job(ctx, &high, COUNT, 0.2), KN_OK);
+    assert_int_equal(make_job(ctx, &odd, COUNT, 0.3), KN_OK);
+    const kn_job *jobs[] = {low, high}, *others[] = {odd, high};
+    assert_int_equal(run_jobs(ctx, jobs, 2, &parts, false, 0, &counted, &blocks), KN_OK);
+    assert_true(blocks >= 6);
+    put_aside(&parts, &whole);
+    assert_int_equal(run_jobs(ctx, jobs, 2, &parts, false, 1, &again, &commits), KN_EIO);
+    assert_true(exists(parts.journal));
+    kn_status status = KN_EIO;
+    for (int k = 0; status != KN_OK; k++) {
+        kn_ctx_clear_error(ctx);
+        assert_int_equal(run_jobs(ctx, others, 2, &parts, true, 0, &again, &commits),
+                         KN_EDOMAIN); // another first layer
+        kn_ctx_clear_error(ctx);
+        assert_int_equal(run_jobs(ctx, jobs, 1, &parts, true, 0, &again, &commits), KN_EDOMAIN); // too few
+        status = run_jobs(k % 2 ? ctx : other, jobs, 2, &parts, true, 2, &again, &commits);
+        assert_true(status == KN_OK || status == KN_EIO);
+        assert_true((size_t)k <= blocks);
+    }
+    assert_int_equal(counted, again);
+    assert_same_file(whole.step, parts.step);
+    assert_same_file(whole.stl, parts.stl);
+    assert_same_file(whole.obj, parts.obj);
+    assert_same_file(whole.mtl, parts.mtl);
+    remove_paths(&whole), remove_paths(&parts);
+    kn_job_destroy(ctx, low), kn_job_destroy(ctx, high), kn_job_destroy(ctx, odd);
     test_ctx_end(ctx, &memory);
     test_ctx_end(other, &two);
 }
@@ -271,6 +318,7 @@ typedef struct attempt {
     const kn_job *job;
     const unsigned char *state; // NULL: noted from the beginning
     size_t bytes;
+    int layers; // 0: kn_job_run_from
 } attempt;
 
 static kn_status try_run(kn_ctx *ctx, void *user)
@@ -280,7 +328,10 @@ static kn_status try_run(kn_ctx *ctx, void *user)
     kn_sink sink = {0};
     kn_job_notes notes = {.user = &kept, .note = keep_note, .seconds = -1.0, .state = a->state, .bytes = a->bytes};
     kn_status status = kn_null_sink(ctx, &sink);
-    if (status == KN_OK) status = kn_job_run_from(ctx, a->job, &sink, 1, &notes);
+    const kn_job *jobs[] = {a->job, a->job};
+    if (status == KN_OK)
+        status = a->layers ? kn_job_run_layers_from(ctx, jobs, a->layers, &sink, 1, &notes)
+                           : kn_job_run_from(ctx, a->job, &sink, 1, &notes);
     kn_sink_close(ctx, &sink);
     kn_free(ctx, kept);
     return status;
@@ -305,6 +356,8 @@ static void allocation_failures(void **state)
     memcpy(&a.bytes, kept, sizeof a.bytes);
     a.state = kept + sizeof a.bytes;
     test_allocation_failures(try_run, &a);
+    a = (attempt){.job = job, .layers = 2};
+    test_allocation_failures(try_run, &a);
     kn_free(ctx, kept);
     kn_job_destroy(ctx, job);
     test_ctx_end(ctx, &memory);
@@ -312,7 +365,8 @@ static void allocation_failures(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(the_same_bytes), cmocka_unit_test(refusals),
-                                       cmocka_unit_test(lost_files), cmocka_unit_test(allocation_failures)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(the_same_bytes), cmocka_unit_test(layers_too),
+                                       cmocka_unit_test(refusals), cmocka_unit_test(lost_files),
+                                       cmocka_unit_test(allocation_failures)};
     return cmocka_run_group_tests_name("io/journal", tests, NULL, NULL);
 }

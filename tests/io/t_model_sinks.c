@@ -9,18 +9,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-static void multilinear(kn_ctx *ctx, kn_spline *out, int nvars, const double *corner)
-{
-    const int degree[3] = {1, 1, 1};
-    kn_bezier b = {0};
-    assert_int_equal(kn_bezier_init(ctx, &b, nvars, 3, false, degree), KN_OK);
-    size_t n = kn_bezier_count(&b);
-    for (size_t i = 0; i < n; i++)
-        for (size_t c = 0; c < 3; c++) b.coef[c * n + i] = corner[3 * i + c];
-    assert_int_equal(kn_spline_of_bezier(ctx, out, &b), KN_OK);
-    kn_bezier_clear(ctx, &b);
-}
-
 // Parts "wire": a curve; "bar": a box over the whole of u; "gem": a triangle as a mesh, when asked for.
 static kn_job *make_job(kn_ctx *ctx, bool volume, bool mesh, bool rational)
 {
@@ -38,9 +26,9 @@ static kn_job *make_job(kn_ctx *ctx, bool volume, bool mesh, bool rational)
     o.count[0] = 3, o.count[1] = 2, o.height = 0.1, o.mesh_tol = 1;
     assert_int_equal(kn_tile_init(ctx, &tile, "kinds", 3), KN_OK);
     strcpy(tile.parts[0].name, "wire"), strcpy(tile.parts[1].name, "bar"), strcpy(tile.parts[2].name, "gem");
-    multilinear(ctx, &s, 1, line);
+    scene_multilinear(ctx, &s, 1, line);
     assert_int_equal(kn_tile_add(ctx, &tile, 0, &s), KN_OK);
-    multilinear(ctx, &s, 3, box);
+    scene_multilinear(ctx, &s, 3, box);
     if (volume) assert_int_equal(kn_tile_add(ctx, &tile, 1, &s), KN_OK);
     if (mesh) assert_int_equal(kn_tile_set_mesh(ctx, &tile, 2, &gem), KN_OK);
     rational ? scene_torus(ctx, &base) : scene_bicubic(ctx, &base, 0.2);

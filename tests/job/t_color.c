@@ -104,7 +104,7 @@ static kn_place middle_of(kn_ctx *ctx, const kn_job *job, const kn_patch_id *id)
     return place;
 }
 
-// The step of n that a value has; where rounding (of some ten operations on numbers up to 10) may decide, `other` too.
+// The step of n that a value has; where rounding (some ten operations on numbers up to 10) may decide, `other` too.
 static int step_of(int *other, double value, int n)
 {
     double x = fmin(fmax(value, 0.0), 1.0) * n, slack = 1000 * DBL_EPSILON * n;

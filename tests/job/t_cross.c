@@ -466,10 +466,69 @@ static void trimmed_tiles(void **state)
     test_ctx_end(ctx, &memory);
 }
 
+// A box, turned, over knot lines in both directions: refused with the option that helps; and where patches may cross,
+// one volume within what the report says of T(D), its faces among it.
+static void volumes(void **state)
+{
+    (void)state;
+    test_memory memory = TEST_MEMORY_INIT;
+    kn_ctx *ctx = test_ctx(&memory, 2);
+    test_rng rng = test_random(14);
+    for (int trial = 0; trial < 2; trial++) {
+        kn_spline base = {0}, up = {0}, box = {0};
+        kn_tile tile = {0};
+        kn_job *job = NULL;
+        keeper k;
+        make_base(ctx, &base, 2, true, &rng);
+        make_up(ctx, &up);
+        double coef[24];
+        for (int i = 0; i < 8; i++) {
+            coef[i] = 0.7 + 0.5 * (i / 4) - 0.3 * (i / 2 % 2);
+            coef[8 + i] = 0.7 + 0.3 * (i / 4) + 0.5 * (i / 2 % 2);
+            coef[16 + i] = i % 2;
+        }
+        const kn_bezier b = {.nvars = 3, .ncomp = 3, .degree = {1, 1, 1}, .coef = coef};
+        assert_int_equal(kn_spline_of_bezier(ctx, &box, &b), KN_OK);
+        assert_int_equal(kn_tile_init(ctx, &tile, "box", 1), KN_OK);
+        assert_int_equal(kn_tile_add(ctx, &tile, 0, &box), KN_OK);
+        kn_job_options o = {.count = {kn_spline_spans(&base, 0), kn_spline_spans(&base, 1)},
+                            .height = 0.2,
+                            .direction = &up,
+                            .crossing_tol = 5e-2};
+        o.select.count = 1;
+        assert_int_equal(kn_job_create(ctx, &job, &base, 1, &tile, &o), KN_EDOMAIN);
+        assert_non_null(strstr(kn_ctx_message(ctx), "volume 0 of tile part"));
+        assert_non_null(strstr(kn_ctx_message(ctx), "--crossing approximate"));
+        kn_ctx_clear_error(ctx);
+        o.crossing = trial == 0 ? KN_CROSSING_TRIM : KN_CROSSING_APPROXIMATE; // volumes have no trims: the same
+        assert_int_equal(kn_job_create(ctx, &job, &base, 1, &tile, &o), KN_OK);
+        run(ctx, &k, job);
+        scene s = {.ctx = ctx, .job = job, .report = kn_job_describe(job), .approximate = true, .exact = true};
+        for (size_t i = 0; i < k.n; i++) {
+            kn_bezier d = {0};
+            kn_patch_place place;
+            assert_int_equal(kn_job_source(ctx, &d, &place, job, &k.list[i].id), KN_OK);
+            assert_true(d.nvars == 3 && k.list[i].b.nvars == 3 && k.list[i].trim.nloops == 0);
+            for (int point = 0; point < 30; point++) {
+                double at[3];
+                for (int v = 0; v < 3; v++) at[v] = point % 4 == v ? point % 2 : test_uniform(&rng, 0.0, 1.0);
+                check_value(&s, &k.list[i], &d, &place, at);
+            }
+            kn_bezier_clear(ctx, &d);
+        }
+        assert_true(s.values >= 30 && s.report.crossing_error > 1e-9 && s.report.crossing_error <= o.crossing_tol);
+        keeper_clear(ctx, &k);
+        kn_job_destroy(ctx, job);
+        kn_tile_clear(ctx, &tile);
+        kn_spline_clear(ctx, &base), kn_spline_clear(ctx, &up), kn_spline_clear(ctx, &box);
+    }
+    test_ctx_end(ctx, &memory);
+}
+
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(trimmed), cmocka_unit_test(approximated),
-                                       cmocka_unit_test(trimmed_tiles), cmocka_unit_test(curves),
-                                       cmocka_unit_test(scales_on_waves)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(trimmed),         cmocka_unit_test(approximated),
+                                       cmocka_unit_test(trimmed_tiles),   cmocka_unit_test(curves),
+                                       cmocka_unit_test(scales_on_waves), cmocka_unit_test(volumes)};
     return cmocka_run_group_tests_name("job/cross", tests, NULL, NULL);
 }

@@ -12,22 +12,6 @@
 
 // ---- tiles ----
 
-// A plate over the middle of the cell, from w = 0.2 to w = 1.
-static void make_plate(kn_ctx *ctx, kn_tile *out)
-{
-    static const double coef[12] = {0.1, 0.1, 0.9, 0.9, 0.1, 0.9, 0.1, 0.9, 0.2, 0.5, 0.7, 1};
-    const int degree[2] = {1, 1};
-    kn_bezier b = {0};
-    kn_spline s = {0};
-    assert_int_equal(kn_tile_init(ctx, out, "plate", 1), KN_OK);
-    assert_int_equal(kn_bezier_init(ctx, &b, 2, 3, false, degree), KN_OK);
-    memcpy(b.coef, coef, sizeof coef);
-    assert_int_equal(kn_spline_of_bezier(ctx, &s, &b), KN_OK);
-    assert_int_equal(kn_tile_add(ctx, out, 0, &s), KN_OK);
-    kn_bezier_clear(ctx, &b);
-    kn_spline_clear(ctx, &s);
-}
-
 // One that takes the base's place: 0 on the border of the cell.
 static void make_roof(kn_ctx *ctx, kn_tile *out)
 {
@@ -233,7 +217,7 @@ static void behind_a_torus(void **state)
         {{11, 0, 2}, false, 0.45}, {{6, 7, 1}, false, 0.5}, {{5, 2, 2}, true, 5}, {{1, 0, 9}, false, 0.5}};
     for (int covering = 0; covering < 2; covering++) {
         scene s;
-        begin(&s, covering ? make_roof : make_plate);
+        begin(&s, covering ? make_roof : scene_plate);
         make_torus(s.ctx, add_base(&s));
         s.o.count[0] = 32, s.o.count[1] = 12, s.o.height = 0.1, s.o.mesh_tol = 0.5;
         prepare(&s);
@@ -251,7 +235,7 @@ static void behind_a_teapot(void **state)
     (void)state;
     static const eye eyes[] = {{{8, -6, 3}, false, 0.5}, {{-9, 1, 2}, false, 0.5}};
     scene s;
-    begin(&s, make_plate);
+    begin(&s, scene_plate);
     for (int i = 0; i < TEAPOT_PATCHES; i++)
         if (!make_teapot(s.ctx, add_base(&s), i)) skip();
     s.o.count[0] = s.o.count[1] = 6, s.o.height = 0.05, s.o.mesh_tol = 0.05;
@@ -274,7 +258,7 @@ static void behind_a_wall(void **state)
     const double small[2] = {-1, 1}, wide[2] = {-2, 2}, left[2] = {-2, 0.1}, right[2] = {0.1, 2}, far[2] = {0.4, 2};
     for (int k = 0; k < 5; k++) {
         scene s;
-        begin(&s, make_plate);
+        begin(&s, scene_plate);
         add_wall(&s, -1, small, small, false);
         add_wall(&s, 2, k < 2 ? wide : left, wide, k == 1);
         if (k >= 2) add_wall(&s, 2, k == 2 ? right : k == 3 ? far : right, wide, k == 4);
@@ -308,7 +292,7 @@ static void what_stays(void **state)
     const double small[2] = {-1, 1}, wide[2] = {-2, 2};
     for (int k = 0; k < 3; k++) {
         scene s;
-        begin(&s, k < 2 ? make_roof : make_plate);
+        begin(&s, k < 2 ? make_roof : scene_plate);
         add_wall(&s, -1, small, small, false);
         add_wall(&s, 2, wide, wide, false);
         s.o.count[0] = s.o.count[1] = 8, s.o.height = k < 2 ? 0.1 : -0.1, s.o.mesh_tol = 0.05;

@@ -8,18 +8,6 @@
 #include <math.h>
 #include <string.h>
 
-static void multilinear(kn_ctx *ctx, kn_spline *out, int nvars, const double *corner)
-{
-    const int degree[3] = {1, 1, 1};
-    kn_bezier b = {0};
-    assert_int_equal(kn_bezier_init(ctx, &b, nvars, 3, false, degree), KN_OK);
-    size_t n = kn_bezier_count(&b);
-    for (size_t i = 0; i < n; i++)
-        for (size_t c = 0; c < 3; c++) b.coef[c * n + i] = corner[3 * i + c];
-    assert_int_equal(kn_spline_of_bezier(ctx, out, &b), KN_OK);
-    kn_bezier_clear(ctx, &b);
-}
-
 // A bar from u = 0 to u = 1 as two boxes, and one box on the first; a curve across the cell that crosses into the
 // next one; a pyramid as a mesh on the border u = 1 whose base goes from v = 0 to v = 1.
 static void make_tile(kn_ctx *ctx, kn_tile *out)
@@ -36,10 +24,10 @@ static void make_tile(kn_ctx *ctx, kn_tile *out)
         double corner[24];
         for (int i = 0; i < 8; i++)
             for (int c = 0; c < 3; c++) corner[3 * i + c] = boxes[k][(i >> (2 - c) & 1) ? 3 + c : c];
-        multilinear(ctx, &s, 3, corner);
+        scene_multilinear(ctx, &s, 3, corner);
         assert_int_equal(kn_tile_add(ctx, out, 0, &s), KN_OK);
     }
-    multilinear(ctx, &s, 1, line);
+    scene_multilinear(ctx, &s, 1, line);
     assert_int_equal(kn_tile_add(ctx, out, 1, &s), KN_OK);
     assert_int_equal(kn_tile_set_mesh(ctx, out, 2, &mesh), KN_OK);
     for (int p = 0; p < 3; p++) out->parts[p].name[0] = (char)('a' + p);

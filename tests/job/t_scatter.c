@@ -14,16 +14,8 @@
 static void make_speck(kn_ctx *ctx, kn_tile *out)
 {
     static const double coef[12] = {0.499, 0.499, 0.501, 0.501, 0.499, 0.501, 0.499, 0.501, 0, 0, 0, 0};
-    const int degree[2] = {1, 1};
-    kn_bezier b = {0};
-    kn_spline s = {0};
     assert_int_equal(kn_tile_init(ctx, out, "speck", 1), KN_OK);
-    assert_int_equal(kn_bezier_init(ctx, &b, 2, 3, false, degree), KN_OK);
-    memcpy(b.coef, coef, sizeof coef);
-    assert_int_equal(kn_spline_of_bezier(ctx, &s, &b), KN_OK);
-    assert_int_equal(kn_tile_add(ctx, out, 0, &s), KN_OK);
-    kn_bezier_clear(ctx, &b);
-    kn_spline_clear(ctx, &s);
+    scene_add_patch(ctx, out, 1, 1, coef);
 }
 
 // The middles of the specks: 3 numbers each.

@@ -12,22 +12,6 @@
 
 enum { NU = 24, NV = 20 }; // multiples of the spans of all bases
 
-// A tilted plate: what composes cheaply.
-static void make_plate(kn_ctx *ctx, kn_tile *out)
-{
-    static const double coef[12] = {0.1, 0.1, 0.9, 0.9, 0.1, 0.9, 0.1, 0.9, 0.2, 0.5, 0.7, 1};
-    const int degree[2] = {1, 1};
-    kn_bezier b = {0};
-    kn_spline s = {0};
-    assert_int_equal(kn_tile_init(ctx, out, "plate", 1), KN_OK);
-    assert_int_equal(kn_bezier_init(ctx, &b, 2, 3, false, degree), KN_OK);
-    memcpy(b.coef, coef, sizeof coef);
-    assert_int_equal(kn_spline_of_bezier(ctx, &s, &b), KN_OK);
-    assert_int_equal(kn_tile_add(ctx, out, 0, &s), KN_OK);
-    kn_bezier_clear(ctx, &b);
-    kn_spline_clear(ctx, &s);
-}
-
 typedef struct scene {
     test_memory memory;
     kn_ctx *ctx;
@@ -84,7 +68,7 @@ static void by_number_field_and_angle(void **state)
     scene s;
     scene_result r;
     bool has[NU][NV], again[NU][NV];
-    begin(&s, make_torus, make_plate);
+    begin(&s, make_torus, scene_plate);
     s.o.select = (kn_job_selection){.skip = {3, 2}};
     kn_job_report report = run(&s, has, &r);
     for (int i = 0; i < NU * NV; i++) assert_int_equal(has[i / NV][i % NV], i / NV % 3 == 0 && i % NV % 2 == 0);
@@ -159,12 +143,12 @@ static void slabs_miss_no_cell(void **state)
         void (*tile)(kn_ctx *, kn_tile *);
         kn_job_placement placement;
         bool stretch;
-    } cases[] = {{make_torus, make_plate, {.shift = {0.0}}, false},
+    } cases[] = {{make_torus, scene_plate, {.shift = {0.0}}, false},
                  {make_torus, scene_strip, {.shift = {0.0}}, false},
-                 {make_torus, make_plate, {.stagger = {0.5}}, false},
-                 {make_torus, make_plate, {.shift = {0.0}}, true},
+                 {make_torus, scene_plate, {.stagger = {0.5}}, false},
+                 {make_torus, scene_plate, {.shift = {0.0}}, true},
                  {make_wavy, scene_strip, {.shift = {0.0}}, false},
-                 {make_wavy, make_plate, {.scatter = {.distance = 0.4}}, false}};
+                 {make_wavy, scene_plate, {.scatter = {.distance = 0.4}}, false}};
     for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
         scene s;
         scene_result r;
@@ -214,7 +198,7 @@ static void a_slab_selects(void **state)
     scene_result r, part;
     bool has[NU][NV];
     double lo[NU * NV], hi[NU * NV];
-    begin(&s, make_torus, make_plate);
+    begin(&s, make_torus, scene_plate);
     (void)run(&s, has, &r);
     measure(&s, &r, lo, hi);
     s.o.select = (kn_job_selection){.slab = true, .slab_z = {0.3, 0.4}};
@@ -277,7 +261,7 @@ static void cameras_drop_what_is_not_seen(void **state)
         scene s;
         scene_result all, part;
         bool has[NU][NV];
-        begin(&s, make_sphere, make_plate);
+        begin(&s, make_sphere, scene_plate);
         (void)run(&s, has, &all);
         kn_job_view view = camera(cases[k].eye, cases[k].wide);
         view.least_pixels = cases[k].least, view.hidden = cases[k].hidden;
@@ -311,7 +295,7 @@ static void detail_follows_the_camera(void **state)
         scene s;
         scene_result r;
         bool has[NU][NV];
-        begin(&s, make_sphere, make_plate);
+        begin(&s, make_sphere, scene_plate);
         s.o.mesh_tol = 1e-3;
         kn_job_view view = camera(k == 0 ? 3 : 3000, k == 0 ? 1 : 0.001);
         view.pixels[0] = view.pixels[1] = k == 0 ? 4000 : 100;
@@ -364,7 +348,7 @@ static void nonsense_is_refused(void **state)
     for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
         scene s;
         kn_job *job = NULL;
-        begin(&s, make_torus, make_plate);
+        begin(&s, make_torus, scene_plate);
         s.o.select = cases[k];
         kn_status status = kn_job_create(s.ctx, &job, &s.base, 1, &s.tile, &s.o);
         if (status != KN_EDOMAIN || job) fail_msg("case %zu: %d", k, (int)status);

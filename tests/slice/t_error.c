@@ -96,7 +96,7 @@ static kn_status look(kn_ctx *ctx, void *user, const kn_slice *layer)
     return KN_OK;
 }
 
-// A wavy patch with slopes: Z rises with r over the whole of it, so that contours are graphs, away from double points.
+// A wavy patch with slopes: Z rises with r over the whole of it, so that contours are graphs.
 static void make_patch(kn_ctx *ctx, kn_bezier *p, bool rational, double size, double far, test_rng *rng)
 {
     const int degree[2] = {4, 3};

@@ -80,8 +80,19 @@ void scene_spline(kn_ctx *ctx, kn_spline *out)
 
 // ---- tiles ----
 
-// A Bezier patch from three functions' control points, [i][j] with j fastest.
-static void add_patch(kn_ctx *ctx, kn_tile *tile, int m, int n, const double *coef)
+void scene_multilinear(kn_ctx *ctx, kn_spline *out, int nvars, const double *corner)
+{
+    const int degree[3] = {1, 1, 1};
+    kn_bezier b = {0};
+    assert_int_equal(kn_bezier_init(ctx, &b, nvars, 3, false, degree), KN_OK);
+    size_t n = kn_bezier_count(&b);
+    for (size_t i = 0; i < n; i++)
+        for (size_t c = 0; c < 3; c++) b.coef[c * n + i] = corner[3 * i + c];
+    assert_int_equal(kn_spline_of_bezier(ctx, out, &b), KN_OK);
+    kn_bezier_clear(ctx, &b);
+}
+
+void scene_add_patch(kn_ctx *ctx, kn_tile *tile, int m, int n, const double *coef)
 {
     const int degree[2] = {m, n};
     kn_bezier b = {0};
@@ -91,6 +102,13 @@ static void add_patch(kn_ctx *ctx, kn_tile *tile, int m, int n, const double *co
     assert_int_equal(kn_spline_of_bezier(ctx, &s, &b), KN_OK);
     assert_int_equal(kn_tile_add(ctx, tile, 0, &s), KN_OK);
     kn_bezier_clear(ctx, &b), kn_spline_clear(ctx, &s);
+}
+
+void scene_plate(kn_ctx *ctx, kn_tile *out)
+{
+    static const double coef[12] = {0.1, 0.1, 0.9, 0.9, 0.1, 0.9, 0.1, 0.9, 0.2, 0.5, 0.7, 1};
+    assert_int_equal(kn_tile_init(ctx, out, "plate", 1), KN_OK);
+    scene_add_patch(ctx, out, 1, 1, coef);
 }
 
 // Quarter k covers the square of the cell between the centre and a corner; r and t run along u and v, or the other
@@ -110,7 +128,7 @@ void scene_dome(kn_ctx *ctx, kn_tile *out)
                 coef[9 + 3 * i + j] = grid[v];
                 coef[18 + 3 * i + j] = lift[u] * lift[v];
             }
-        add_patch(ctx, out, 2, 2, coef);
+        scene_add_patch(ctx, out, 2, 2, coef);
     }
 }
 
@@ -119,7 +137,7 @@ void scene_strip(kn_ctx *ctx, kn_tile *out)
     assert_int_equal(kn_tile_init(ctx, out, "strip", 1), KN_OK);
     static const double coef[18] = {-0.25, -0.25, 0.6,  0.6, 1.25, 1.25, 0.25, 0.75, 0.25,
                                     0.75,  0.25,  0.75, 0,   0,    0.9,  1,    0.1,  0.1};
-    add_patch(ctx, out, 2, 1, coef);
+    scene_add_patch(ctx, out, 2, 1, coef);
 }
 
 void scene_diamond(kn_ctx *ctx, kn_tile *out)
@@ -133,7 +151,7 @@ void scene_diamond(kn_ctx *ctx, kn_tile *out)
             coef[4 + 2 * i + j] = 0.5 + 0.5 * x + 0.5 * sqrt(3) * y;
             coef[8 + 2 * i + j] = 0.2 + 0.5 * i + 0.3 * j;
         }
-    add_patch(ctx, out, 1, 1, coef);
+    scene_add_patch(ctx, out, 1, 1, coef);
 }
 
 // ---- the sink ----

@@ -16,6 +16,12 @@ void scene_cylinder(kn_ctx *ctx, kn_spline *out);
 void scene_spline(kn_ctx *ctx, kn_spline *out);
 
 // ---- tiles ----
+// A multilinear spline over [0,1]^nvars with these corners, three numbers each, the last variable fastest.
+void scene_multilinear(kn_ctx *ctx, kn_spline *out, int nvars, const double *corner);
+// To part 0 a polynomial patch of degrees (m, n): component by component, its control points [i][j] with j fastest.
+void scene_add_patch(kn_ctx *ctx, kn_tile *tile, int m, int n, const double *coef);
+// A tilted bilinear plate over [0.1, 0.9]^2 of the cell, from w = 0.2 to w = 1: it composes cheaply.
+void scene_plate(kn_ctx *ctx, kn_tile *out);
 // Four biquadratic patches that cover the cell, run in different directions, and are 0 on its border.
 void scene_dome(kn_ctx *ctx, kn_tile *out);
 // One patch of degrees (2, 1): a sheet from u = -0.25 to u = 1.25 over v in [0.25, 0.75], bent in w.

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // What a tile can hold: curves, surfaces, trimmed ones, volumes, meshes, parameters; copies, values, checks.
+#include "tests/support/scene.h"
 #include "tests/support/support.h"
 
 #include <knurl/construct.h>
@@ -8,19 +9,6 @@
 #include <float.h>
 #include <math.h>
 #include <string.h>
-
-// A multilinear spline of nvars variables over [0,1]^nvars with these corners, the last variable fastest.
-static void make_box(kn_ctx *ctx, kn_spline *out, int nvars, const double *corner)
-{
-    const int degree[3] = {1, 1, 1};
-    kn_bezier b = {0};
-    assert_int_equal(kn_bezier_init(ctx, &b, nvars, 3, false, degree), KN_OK);
-    size_t n = kn_bezier_count(&b);
-    for (size_t i = 0; i < n; i++)
-        for (size_t c = 0; c < 3; c++) b.coef[c * n + i] = corner[3 * i + c];
-    assert_int_equal(kn_spline_of_bezier(ctx, out, &b), KN_OK);
-    kn_bezier_clear(ctx, &b);
-}
 
 // The unit cube scaled and moved; left-handed: u and v exchanged.
 static void make_cube(kn_ctx *ctx, kn_spline *out, double u, double v, double w, double size, bool left_handed)
@@ -32,7 +20,7 @@ static void make_cube(kn_ctx *ctx, kn_spline *out, double u, double v, double w,
         corner[3 * i + 1] = v + size * (left_handed ? x : y);
         corner[3 * i + 2] = w + size * z;
     }
-    make_box(ctx, out, 3, corner);
+    scene_multilinear(ctx, out, 3, corner);
 }
 
 static const double LINE[6] = {0.25, 0.5, 0, 0.75, 0.5, 1};
@@ -104,8 +92,8 @@ typedef struct fixture {
 static void fixture_make(kn_ctx *ctx, fixture *f)
 {
     *f = (fixture){0};
-    make_box(ctx, &f->kinds[0], 1, LINE);
-    make_box(ctx, &f->kinds[1], 2, SHEET);
+    scene_multilinear(ctx, &f->kinds[0], 1, LINE);
+    scene_multilinear(ctx, &f->kinds[1], 2, SHEET);
     make_cube(ctx, &f->kinds[2], 0.25, 0.25, 0, 0.5, false);
     make_triangle(ctx, &f->trim);
 }

@@ -62,6 +62,52 @@ static void between(void **state)
     test_ctx_end(ctx, &memory);
 }
 
+// det of the corners over all triangles, a sixth of it the volume.
+static double six_volumes(const kn_mesh *m)
+{
+    double sum = 0;
+    for (size_t i = 0; i < m->ntriangles; i++) {
+        const double *p[3];
+        for (int k = 0; k < 3; k++) p[k] = m->position + 3 * (size_t)m->triangle[3 * i + (size_t)k];
+        for (int c = 0; c < 3; c++)
+            sum += p[0][c] * (p[1][(c + 1) % 3] * p[2][(c + 2) % 3] - p[1][(c + 2) % 3] * p[2][(c + 1) % 3]);
+    }
+    return sum;
+}
+
+// A tetrahedron becomes an octahedron: at the ends the volumes are theirs, between tiles are what they should be.
+static void solids(void **state)
+{
+    (void)state;
+    test_memory memory = TEST_MEMORY_INIT;
+    kn_ctx *ctx = test_ctx(&memory, 1);
+    static double four[12] = {0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1};
+    static uint32_t sides[12] = {0, 2, 1, 0, 1, 3, 1, 2, 3, 2, 0, 3};
+    static double six[18] = {1, 0.5, 0.5, 0, 0.5, 0.5, 0.5, 1, 0.5, 0.5, 0, 0.5, 0.5, 0.5, 1, 0.5, 0.5, 0};
+    static uint32_t eight[24] = {0, 2, 4, 2, 1, 4, 1, 3, 4, 3, 0, 4, 2, 0, 5, 1, 2, 5, 3, 1, 5, 0, 3, 5};
+    const kn_mesh meshes[2] = {{.nvertices = 4, .ntriangles = 4, .position = four, .triangle = sides},
+                               {.nvertices = 6, .ntriangles = 8, .position = six, .triangle = eight}};
+    kn_tile a = {0}, b = {0}, m = {0}, *tiles[2] = {&a, &b};
+    for (int k = 0; k < 2; k++) {
+        assert_int_equal(kn_tile_init(ctx, tiles[k], "solid", 1), KN_OK);
+        assert_int_equal(kn_tile_set_mesh(ctx, tiles[k], 0, &meshes[k]), KN_OK);
+    }
+    assert_int_equal(kn_tile_morph(ctx, &m, &a, &b), KN_OK);
+    for (int step = 0; step <= 4; step++) {
+        double t = 0.25 * step;
+        kn_tile now = {0};
+        assert_int_equal(kn_tile_vary(ctx, &now, &m, &t), KN_OK);
+        assert_int_equal(kn_tile_check(ctx, &now), KN_OK);
+        // some 40 triangles, each of 20 roundings of numbers up to 1
+        if (step == 0) assert_true(fabs(six_volumes(&now.parts[0].mesh) - 1) <= 1e-12);
+        if (step == 4) assert_true(fabs(six_volumes(&now.parts[0].mesh) - 1) <= 1e-12); // 6 * 4/3 / 8
+        kn_tile_clear(ctx, &now);
+    }
+    for (int k = 0; k < 2; k++) kn_tile_clear(ctx, tiles[k]);
+    kn_tile_clear(ctx, &m);
+    test_ctx_end(ctx, &memory);
+}
+
 static void refuses(kn_ctx *ctx, const kn_tile *a, const kn_tile *b, const char *says)
 {
     kn_tile m = {.nparts = 77};
@@ -127,7 +173,7 @@ static void allocation_failures(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(between), cmocka_unit_test(refusals),
-                                       cmocka_unit_test(allocation_failures)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(between), cmocka_unit_test(solids),
+                                       cmocka_unit_test(refusals), cmocka_unit_test(allocation_failures)};
     return cmocka_run_group_tests_name("tile/morph", tests, NULL, NULL);
 }
