@@ -105,7 +105,7 @@ static void structure(void **state)
     assert_non_null(strstr(text, "UNCERTAINTY_MEASURE_WITH_UNIT(LENGTH_MEASURE(0.02),#11,"));
     assert_non_null(strstr(text, "SI_UNIT(.MILLI.,.METRE.)"));
     assert_int_equal(count(text, "=ADVANCED_FACE("), PATCHES);
-    assert_int_equal(count(text, "=OPEN_SHELL("), 2);
+    assert_int_equal(count(text, "=OPEN_SHELL("), PATCHES); // nobody meets anybody
     assert_int_equal(count(text, "=SHELL_BASED_SURFACE_MODEL("), 2);
     assert_int_equal(count(text, "=STYLED_ITEM("), 2);
     assert_int_equal(count(text, "=COLOUR_RGB("), 2);
@@ -116,6 +116,48 @@ static void structure(void **state)
     expect_consistent(text);
     free(text);
     world_clear(&w);
+}
+
+// Corner k of a cube, bit by bit; faces counterclockwise from outside, in the order of a patch's (0,0), (0,1), (1,0), (1,1)
+// with t first: r x t points out.
+static const int cube[6][4] = {{0, 4, 2, 6}, {1, 3, 5, 7}, {0, 1, 4, 5}, {2, 6, 3, 7}, {0, 2, 1, 3}, {4, 5, 6, 7}};
+
+// A cube in two looks: twelve edges, eight vertices, one solid, whose faces have colours of their own; without its lid
+// a shell; with a face that looks inwards no solid either.
+static void bodies(void **state)
+{
+    (void)state;
+    for (int lack = 0; lack < 3; lack++) {
+        world w;
+        world_make(&w, 1);
+        kn_sink sink;
+        kn_job_report report = test_report(6, 1, 1);
+        for (int f = 0; f < 6; f++) {
+            kn_bezier *b = &w.patch[f].bezier;
+            kn_bezier_clear(w.ctx, b);
+            assert_int_equal(kn_bezier_init(w.ctx, b, 2, 3, false, (int[]){1, 1}), KN_OK);
+            for (int k = 0; k < 4; k++)
+                for (int c = 0; c < 3; c++) b->coef[4 * c + k] = (cube[f][k] >> c & 1) ? 10.0 : 0.0;
+            w.patch[f].look = w.patch[f].id.part = f == 5;
+            w.patch[f].reversed = lack == 2 && f == 3;
+        }
+        assert_int_equal(kn_step_sink(w.ctx, &sink, w.path, NULL), KN_OK);
+        assert_int_equal(test_feed(w.ctx, &sink, &w.tile.tile, &report, w.patch, lack == 1 ? 5 : 6, 2), KN_OK);
+        kn_sink_close(w.ctx, &sink);
+        char *text = test_read_file(w.path, NULL);
+        assert_non_null(text);
+        expect_consistent(text);
+        assert_int_equal(count(text, "=EDGE_CURVE("), 12);
+        assert_int_equal(count(text, "=VERTEX_POINT("), 8);
+        assert_int_equal(count(text, "=ORIENTED_EDGE("), lack == 1 ? 20 : 24);
+        assert_int_equal(count(text, "=MANIFOLD_SOLID_BREP("), lack == 0);
+        assert_int_equal(count(text, "=CLOSED_SHELL("), lack == 0);
+        assert_int_equal(count(text, "=OPEN_SHELL("), lack != 0);
+        assert_int_equal(count(text, "=STYLED_ITEM("), lack == 1 ? 1 : 6);
+        assert_int_equal(count(text, "=ADVANCED_BREP_SHAPE_REPRESENTATION("), lack == 0);
+        free(text);
+        world_clear(&w);
+    }
 }
 
 static void no_patches(void **state)
@@ -293,8 +335,9 @@ static void without_memory(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(structure), cmocka_unit_test(no_patches), cmocka_unit_test(equal_bytes),
-        cmocka_unit_test(refusals),  cmocka_unit_test(strings),    cmocka_unit_test(without_memory),
+        cmocka_unit_test(structure),      cmocka_unit_test(bodies),   cmocka_unit_test(no_patches),
+        cmocka_unit_test(equal_bytes),    cmocka_unit_test(refusals), cmocka_unit_test(strings),
+        cmocka_unit_test(without_memory),
     };
     return cmocka_run_group_tests_name("io/step_sink", tests, NULL, NULL);
 }
