@@ -388,7 +388,7 @@ static kn_status find_tallest(kn_ctx *ctx, void *user, size_t block)
     return status;
 }
 
-// What a normal, or its stand-in, is longer than 1 counts.
+// What a normal, or its stand-in, is longer than 1 counts, and by how much pieces at knot lines and at ends are off.
 static kn_status find_thickness(kn_ctx *ctx, double *out, const kn_job *job)
 {
     size_t blocks = (job->ncells + BLOCK - 1) / BLOCK;
@@ -397,7 +397,8 @@ static kn_status find_thickness(kn_ctx *ctx, double *out, const kn_job *job)
     *out = 0.0;
     for (size_t b = 0; status == KN_OK && b < blocks; b++) *out = fmax(*out, h.most[b]);
     *out *= 1.0 + 4.0 * job->options.normal_tol;
-    if (job->options.crossing == KN_CROSSING_APPROXIMATE)
+    const kn_job_border *border = job->options.placement.border;
+    if (job->options.crossing != KN_CROSSING_REFUSE || border[0] == KN_BORDER_CLIP || border[1] == KN_BORDER_CLIP)
         *out += job->options.crossing_tol > 0.0 ? job->options.crossing_tol : INFINITY;
     kn_free(ctx, h.most);
     return status;

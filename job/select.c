@@ -48,7 +48,8 @@ static kn_status check_selection(kn_ctx *ctx, const kn_job *job)
 static bool leaves_holes(const kn_job_selection *o)
 {
     return o->surfaces || o->mask.value || o->cone || o->skip[0] > 1 || o->skip[1] > 1 ||
-           (o->density > 0.0 && o->density < 1.0) || o->first > 0 || o->count > 0 || o->slab;
+           (o->density > 0.0 && o->density < 1.0) || o->first > 0 || o->count > 0 || o->slab ||
+           (o->view && o->view->least_pixels > 0.0);
 }
 
 // ---- one cell ----
