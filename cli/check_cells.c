@@ -98,7 +98,7 @@ static int by_place(const void *a, const void *b)
 static void join(check *c)
 {
     size_t n = 0;
-    qsort(c->cell_boxes, c->ncell_boxes, sizeof *c->cell_boxes, by_place);
+    if (c->ncell_boxes > 0) qsort(c->cell_boxes, c->ncell_boxes, sizeof *c->cell_boxes, by_place);
     for (size_t i = 0; i < c->ncell_boxes; i++) {
         check_cell_box *to = n > 0 ? &c->cell_boxes[n - 1] : NULL, *b = &c->cell_boxes[i];
         if (!to || by_place(to, b) != 0) {

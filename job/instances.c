@@ -79,9 +79,9 @@ static kn_status check_placement(kn_ctx *ctx, const kn_job *job)
         return kn_fail(ctx, KN_EDOMAIN, "job: rows or columns can be staggered, not both");
     if (job->tile.covering && p->angle != 0.0)
         return kn_fail(ctx, KN_EDOMAIN,
-                       "job: tile \"%s\" covers its cell, and turned by %g radians it would not: take quarter turns "
+                       "job: tile \"%s\" covers its cell, and turned by %g degrees it would not: take quarter turns "
                        "(--rotate 90), or a casual tile",
-                       job->tile.name, p->angle);
+                       job->tile.name, p->angle * 57.295779513082321);
     if (p->scatter.distance == 0.0) return KN_OK;
     if (job->tile.covering)
         return kn_fail(ctx, KN_EDOMAIN, "job: tile \"%s\" covers its cell: only a casual tile can be scattered",
