@@ -58,7 +58,7 @@ static kn_status measure(size_t cells)
 
 int main(int argc, char **argv)
 {
-    int last = argc > 1 ? atoi(argv[1]) : 4;
+    int last = argc > 1 ? (int)strtol(argv[1], NULL, 10) : 4;
     size_t cells = 1000;
     printf("| cells | layers/s | points/s | cells composed | contours | open | MB beyond 8 bytes a cell |\n");
     printf("|---|---|---|---|---|---|---|\n");
