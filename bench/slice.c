@@ -4,6 +4,8 @@
 // Processor time of one thread. No library in Debian slices such objects: lib3mf stores slices and makes none.
 #include "bench/bench.h"
 
+#include <stdlib.h>
+
 #include <knurl/construct.h>
 #include <knurl/io.h>
 #include <knurl/slice.h>

@@ -4,6 +4,8 @@
 
 #include "kernel/bernstein.h"
 
+#include <string.h>
+
 // Restricted to the part's share of one piece, box [lo,hi] in parameters.
 typedef struct share {
     const kn_meet_part *p;
