@@ -388,8 +388,8 @@ static kn_status find_tallest(kn_ctx *ctx, void *user, size_t block)
     return status;
 }
 
-// What a normal, or its stand-in, is longer than 1 counts, and by how much pieces at knot lines and at ends are off, and
-// meshes.
+// What a normal, or its stand-in, is longer than 1 counts, and by how much pieces at knot lines and at ends are off,
+// and meshes.
 static kn_status find_thickness(kn_ctx *ctx, double *out, const kn_job *job)
 {
     size_t blocks = (job->ncells + BLOCK - 1) / BLOCK;
