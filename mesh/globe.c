@@ -3,8 +3,8 @@
 //
 // Of a triangle of area A in space and det(p, q, r) = 2 S on the sphere the map between them stretches by
 //     D (1 + (A / S)^2),  D = half the sum over edges of |edge on the sphere|^2 (cotangent of the angle opposite),
-// the angle in space: the Dirichlet energies of the linear map and of its inverse where the triangle is small, as S is its area then;
-// and without end where S vanishes, be it small or as large as half the sphere.
+// the angle in space: the Dirichlet energies of the linear map and of its inverse where the triangle is small, as S is
+// its area then; and without end where S vanishes, be it small or as large as half the sphere.
 #include "mesh/sphere.h"
 
 #include <float.h>
