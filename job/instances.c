@@ -186,6 +186,9 @@ static kn_status check_seams(kn_ctx *ctx, const kn_job *job, const struct kn_job
             const kn_job_surface *s = &job->surfaces[i];
             int d = e / 2;
             if ((!s->closed[d] && !s->partner[e].goes_on) || meets(job, t, i, e)) continue;
+            int other = s->closed[d] ? s->origin : job->surfaces[s->partner[e].edge / 4].origin;
+            if (!kn_job_selects(&job->options.select, s->origin) || !kn_job_selects(&job->options.select, other))
+                continue;
             int rows = d == 0 ? t->under[1] : t->under[0];
             bool mirror = job->options.placement.mirror[d];
             if (s->closed[d])

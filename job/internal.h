@@ -423,6 +423,8 @@ bool kn_job_next_block(kn_job_block *out, kn_job_cursor *at, const kn_job *job);
 // there), and one that frees them; any thread calls what lies between.
 kn_status kn_job_select_init(kn_ctx *ctx, kn_job *job);
 void kn_job_select_clear(kn_ctx *ctx, kn_job *job);
+// Whether a surface of the base is among those that are selected.
+bool kn_job_selects(const kn_job_selection *o, int origin);
 kn_status kn_job_has_cell(kn_ctx *ctx, bool *has, const kn_job *job, int surface, const int cell[2]);
 
 // ---- instances.c ----
