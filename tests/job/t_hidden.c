@@ -320,27 +320,26 @@ static void what_stays(void **state)
 
 // ---- memory ----
 
+static void under_diamonds(kn_ctx *safe, kn_spline *base, kn_tile *tile)
+{
+    scene_bicubic(safe, base, 0.1);
+    scene_diamond(safe, tile);
+}
+
+static void under_roofs(kn_ctx *safe, kn_spline *base, kn_tile *tile)
+{
+    scene_bicubic(safe, base, 0.1);
+    make_roof(safe, tile);
+}
+
 static kn_status occludes(kn_ctx *ctx, void *user)
 {
     const bool *covering = user;
-    test_memory memory = TEST_MEMORY_INIT;
-    kn_ctx *safe = test_ctx(&memory, 1);
-    kn_spline base = {0};
-    kn_tile tile = {0};
-    kn_job *job = NULL;
-    scene_bicubic(safe, &base, 0.1);
-    (*covering ? make_roof : scene_diamond)(safe, &tile);
     const eye above = {{1, 1, 20}, false, 0.4};
     kn_job_view view = look_from(&above);
     view.pixels[0] = view.pixels[1] = 20;
     kn_job_options o = {.count = {1, 2}, .height = 0.1, .normal_tol = 1e-2, .select = {.view = &view}};
-    kn_status status = kn_job_create(ctx, &job, &base, 1, &tile, &o);
-    assert_true((status == KN_OK) == (job != NULL));
-    kn_job_destroy(ctx, job);
-    kn_tile_clear(safe, &tile);
-    kn_spline_clear(safe, &base);
-    test_ctx_end(safe, &memory);
-    return status;
+    return scene_try_job(ctx, *covering ? under_roofs : under_diamonds, &o);
 }
 
 static void allocation(void **state)

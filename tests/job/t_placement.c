@@ -428,24 +428,17 @@ static void tiles_go_on_over_a_flipped_seam(void **state)
 
 // ---- memory ----
 
+static void ramps(kn_ctx *safe, kn_spline *base, kn_tile *tile)
+{
+    make_flat(safe, base, 2, 2);
+    make_ramp(safe, tile);
+}
+
 static kn_status staggers(kn_ctx *ctx, void *user)
 {
     (void)user;
-    kn_spline base = {0};
-    kn_tile tile = {0};
-    kn_job *job = NULL;
-    test_memory memory = TEST_MEMORY_INIT;
-    kn_ctx *safe = test_ctx(&memory, 1);
-    make_flat(safe, &base, 2, 2);
-    make_ramp(safe, &tile);
     kn_job_options o = {.count = {2, 2}, .height = 0.5, .placement = {.stagger = {0.5}, .mirror = {true}}};
-    kn_status status = kn_job_create(ctx, &job, &base, 1, &tile, &o);
-    assert_true((status == KN_OK) == (job != NULL));
-    kn_job_destroy(ctx, job);
-    kn_tile_clear(safe, &tile);
-    kn_spline_clear(safe, &base);
-    test_ctx_end(safe, &memory);
-    return status;
+    return scene_try_job(ctx, ramps, &o);
 }
 
 static void allocation(void **state)
