@@ -3,7 +3,7 @@
 """Draws the built-in tiles: python3 tools/tiles/sheet.py KNURL DATA WORK OUT [TILE...]
 
 Each tile is laid in rows of cells on the same gently curved square and drawn by `knurl render`: its middle is
-OUT/tiles/<tile>.png; OUT/tiles.png shows all of them with their names. Needs rsvg-convert. What stands on a surface
+OUT/tiles/<tile>.png; OUT/tiles.png shows all of them with their names. Needs rsvg-convert and ffmpeg. What stands on a surface
 gets one below it. With names behind them, only those tiles are drawn anew, the others are on the sheet as they were.
 """
 import base64
@@ -88,6 +88,15 @@ def convert(path, out):
     subprocess.run(["rsvg-convert", "--unlimited", path, "-o", out], check=True)
 
 
+def pack(path, width):
+    """To this width and 255 colours: a sixth of the bytes."""
+    work = path + ".tmp.png"
+    subprocess.run(["ffmpeg", "-v", "error", "-y", "-i", path, "-vf",
+                    "scale=%d:-1:flags=area,split[a][b];[a]palettegen=max_colors=255[p];"
+                    "[b][p]paletteuse=dither=sierra2_4a" % width, work], check=True)
+    os.replace(work, path)
+
+
 def main(knurl, data, work, out, *names):
     load()
     os.makedirs(work, exist_ok=True)
@@ -106,6 +115,7 @@ def main(knurl, data, work, out, *names):
                     % (x + THUMB[0] / 2, y + THUMB[1] + 22, tile.name))
     size = GAP + COLUMNS * (THUMB[0] + GAP), GAP + rows * (THUMB[1] + LABEL)
     convert(svg(work, "tiles.svg", *size, "".join(body)), os.path.join(out, "tiles.png"))
+    pack(os.path.join(out, "tiles.png"), 3 * size[0] // 4)
 
 
 if __name__ == "__main__":
