@@ -4,6 +4,8 @@
 // Processor time of one thread. No library in Debian slices such objects: lib3mf stores slices and makes none.
 #include "bench/bench.h"
 
+#include <stdlib.h>
+
 #include <knurl/construct.h>
 #include <knurl/io.h>
 #include <knurl/slice.h>
@@ -58,7 +60,7 @@ static kn_status measure(size_t cells)
 
 int main(int argc, char **argv)
 {
-    int last = argc > 1 ? atoi(argv[1]) : 4;
+    int last = argc > 1 ? (int)strtol(argv[1], NULL, 10) : 4;
     size_t cells = 1000;
     printf("| cells | layers/s | points/s | cells composed | contours | open | MB beyond 8 bytes a cell |\n");
     printf("|---|---|---|---|---|---|---|\n");

@@ -378,6 +378,16 @@ static bool odd_video(const animate *a)
     return video && (a->width % 2 != 0 || a->height % 2 != 0);
 }
 
+static bool uses_time(const cli_recipe *r)
+{
+    for (int l = 0; l < r->nlayers; l++)
+        for (int k = 0; k < r->layer[l].nvary; k++) {
+            const char *text = r->layer[l].vary[k].value.text;
+            if (text && strstr(text, "{t}")) return true;
+        }
+    return false;
+}
+
 // EXIT_OK, an exit code after a message, or -1 when help was asked for and given.
 static int read_arguments(animate *a, int argc, char **argv)
 {
@@ -426,6 +436,8 @@ int cli_command_animate(int argc, char **argv)
 #if CAN_ANIMATE
         const cli_job *job = &a->recipe.layer[0];
         cli_session *session = cli_session_begin((cli_session_options){.threads = job->threads, .quiet = job->quiet});
+        if (session && !uses_time(&a->recipe))
+            cli_warn(session, "animate: no --vary with {t}: all frames are the same");
         code = session ? work(session, a) : EXIT_FAILED;
         cli_session_end(session);
 #else

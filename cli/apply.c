@@ -89,8 +89,8 @@ static uint64_t identity_of(const cli_job *job, uint64_t hash) // FNV-1a
     for (int i = -1; i < job->nvary; i++) {
         const char *texts[2] = {i < 0 ? job->color.field.text : job->vary[i].parameter,
                                 i < 0 ? job->mask.text : job->vary[i].value.text};
-        for (int k = 0; k < 2; k++)
-            for (const char *c = texts[k] ? texts[k] : ""; *c; c++)
+        for (int k = 0; k < 2; k++) // each with the zero byte at its end
+            for (const char *c = texts[k] ? texts[k] : "", *end = c + strlen(c) + 1; c < end; c++)
                 hash = (hash ^ (unsigned char)*c) * UINT64_C(0x100000001b3);
     }
     return hash;

@@ -174,6 +174,8 @@ static int examine(cli_session *session, check *c)
         kn_status status = check_make_regions(cli_ctx(session), c);
         if (status != KN_OK) code = cli_fail(session, status, false);
     }
+    if (code == EXIT_OK && c->job.tile && c->nregions == 0)
+        cli_warn(session, "%s: no cell is left of the texture", c->job.base);
     if (code == EXIT_OK) code = check_examine(session, c);
     if (code == EXIT_OK) code = find_intersection(session, c);
     return code == EXIT_OK ? draw_and_print(session, c, began) : code;

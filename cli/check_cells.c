@@ -26,20 +26,21 @@ bool check_by_cell(const check *c)
            r->height != 0;
 }
 
-// The parts of an extent's box that lie in cells of the shell itself, closed ones wrapped.
-static bool add_box(check *c, const kn_job_place *place, const kn_job_extent *e)
+// The part of an extent's box that lies in the cell at `offset` from its place, closed directions wrapped.
+static bool add_part(check *c, const kn_job_place *place, const kn_job_extent *e, const int offset[2])
 {
     const check_shell *s = &c->shells[place->surface];
     bool closed[2];
     kn_shell_closed(s->shell, closed);
     check_cell_box b = {.shell = place->surface, .lo[2] = e->w[0], .hi[2] = e->w[1]};
     for (int d = 0; d < 2; d++) {
-        int n = s->cells[d];
-        b.cell[d] = closed[d] ? (place->cell[d] % n + n) % n : place->cell[d];
+        int n = s->cells[d], cell = place->cell[d] + offset[d];
+        b.cell[d] = closed[d] ? (cell % n + n) % n : cell;
         if (b.cell[d] < 0 || b.cell[d] >= n) return true; // beyond an open end: no cell's
-        const double middle = fmin(fmax(0.5 * (e->lo[d] + e->hi[d]), 0.5 * thickness), 1 - 0.5 * thickness);
-        b.lo[d] = fmax(fmin(e->lo[d], middle - 0.5 * thickness), 0);
-        b.hi[d] = fmin(fmax(e->hi[d], middle + 0.5 * thickness), 1);
+        const double lo = e->lo[d] - offset[d], hi = e->hi[d] - offset[d];
+        const double middle = fmin(fmax(0.5 * (lo + hi), 0.5 * thickness), 1 - 0.5 * thickness);
+        b.lo[d] = fmax(fmin(lo, middle - 0.5 * thickness), 0);
+        b.hi[d] = fmin(fmax(hi, middle + 0.5 * thickness), 1);
     }
     if (c->ncell_boxes == c->cell_boxes_room) {
         size_t room = c->cell_boxes_room ? 2 * c->cell_boxes_room : 256;
@@ -49,6 +50,21 @@ static bool add_box(check *c, const kn_job_place *place, const kn_job_extent *e)
         c->cell_boxes_room = room;
     }
     c->cell_boxes[c->ncell_boxes++] = b;
+    return true;
+}
+
+// All of the box: what no cell line cuts along a parameter line of its own may lie in several cells.
+static bool add_box(check *c, const kn_job_place *place, const kn_job_extent *e)
+{
+    const double near = 1e-9;
+    int first[2], last[2], at[2];
+    for (int d = 0; d < 2; d++) {
+        first[d] = (int)floor(e->lo[d] + near);
+        last[d] = (int)fmax(first[d], ceil(e->hi[d] - near) - 1);
+    }
+    for (at[0] = first[0]; at[0] <= last[0]; at[0]++)
+        for (at[1] = first[1]; at[1] <= last[1]; at[1]++)
+            if (!add_part(c, place, e, at)) return false;
     return true;
 }
 
@@ -82,7 +98,7 @@ static int by_place(const void *a, const void *b)
 static void join(check *c)
 {
     size_t n = 0;
-    qsort(c->cell_boxes, c->ncell_boxes, sizeof *c->cell_boxes, by_place);
+    if (c->ncell_boxes > 0) qsort(c->cell_boxes, c->ncell_boxes, sizeof *c->cell_boxes, by_place);
     for (size_t i = 0; i < c->ncell_boxes; i++) {
         check_cell_box *to = n > 0 ? &c->cell_boxes[n - 1] : NULL, *b = &c->cell_boxes[i];
         if (!to || by_place(to, b) != 0) {

@@ -356,7 +356,7 @@ static kn_status rank_cells(kn_ctx *ctx, check *c)
         }
     }
     c->ncells = (size_t)(to - c->cells);
-    qsort(c->cells, c->ncells, sizeof *c->cells, by_room);
+    if (c->ncells > 0) qsort(c->cells, c->ncells, sizeof *c->cells, by_room);
     kn_status status = KN_OK;
     for (size_t k = 0; k < c->ncells && status == KN_OK; k++) status = locate(ctx, c, &c->cells[k]);
     return status;

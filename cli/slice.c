@@ -24,7 +24,7 @@ typedef struct slicing {
     bool has_from, has_to;
     // what the work finds
     double unit_mm, step, box[4], bottom, top;
-    size_t count;
+    size_t count, written, empty; // layers that there may be; that are written; that wait for contours above them
     cli_plan plan;
     kn_slice_options options;
     kn_slice_job_report report;
@@ -198,42 +198,60 @@ static void drawing_path(char *out, size_t room, const slicing *s, const char *p
     snprintf(out, room, "%.*s-%0*zu.svg", (int)stem, path, digits, index + 1);
 }
 
-static kn_status take_layer(kn_ctx *ctx, void *user, const kn_slice *layer)
+static kn_status open_stacks(kn_ctx *ctx, slicing *s, double bottom)
 {
-    slicing *s = user;
     kn_status status = KN_OK;
+#if KN_WITH_LIB3MF
+    for (int i = 0; i < s->recipe.noutputs && status == KN_OK; i++)
+        if (!s->stacks[i] && cli_has_ending(s->recipe.outputs[i], "3mf"))
+            status = kn_3mf_slices_create(ctx, &s->stacks[i], s->recipe.outputs[i], s->unit_mm, bottom,
+                                          0.5 * s->step);
+#else
+    (void)ctx, (void)s, (void)bottom;
+#endif
+    return status;
+}
+
+static kn_status write_layer(kn_ctx *ctx, slicing *s, const kn_slice *layer)
+{
+    kn_status status = s->written == 0 ? open_stacks(ctx, s, layer->z - 0.5 * s->step) : KN_OK;
     for (int i = 0; i < s->recipe.noutputs && status == KN_OK; i++) {
         const char *path = s->recipe.outputs[i];
         char name[4096];
         if (cli_has_ending(path, "svg")) {
             kn_svg_options o = {.unit_mm = s->unit_mm, .box = {s->box[0], s->box[1], s->box[2], s->box[3]}};
-            drawing_path(name, sizeof name, s, path, layer->index);
+            drawing_path(name, sizeof name, s, path, s->written);
             status = kn_write_svg_slice(ctx, name, layer, &o);
         }
 #if KN_WITH_LIB3MF
         if (s->stacks[i]) status = kn_3mf_slices_add(ctx, s->stacks[i], layer);
 #endif
     }
+    s->written++;
+    return status;
+}
+
+// Heights come from control points, beyond which nothing reaches, but some layers may be empty below all contours and
+// above: without --from and --to these do not count.
+static kn_status take_layer(kn_ctx *ctx, void *user, const kn_slice *layer)
+{
+    slicing *s = user;
+    if (layer->nloops == 0 && ((s->written == 0 && !s->has_from) || !s->has_to)) {
+        s->empty += s->written > 0 || s->has_from;
+        return KN_OK;
+    }
+    kn_status status = KN_OK;
+    if (s->written == 0) s->bottom = layer->z - (0.5 + (double)s->empty) * s->step;
+    for (; s->empty > 0 && status == KN_OK; s->empty--)
+        status = write_layer(ctx, s, &(kn_slice){.z = layer->z - (double)s->empty * s->step});
+    if (status == KN_OK) status = write_layer(ctx, s, layer);
+    if (!s->has_to) s->top = layer->z + 0.5 * s->step;
     s->nloops += layer->nloops;
     s->nopen += layer->nopen;
     s->doubtful += layer->doubtful;
     s->gap = fmax(s->gap, layer->gap);
     s->error = fmax(s->error, layer->error);
     for (size_t i = 0; i < layer->nloops; i++) s->npoints += layer->loops[i].npoints;
-    return status;
-}
-
-static kn_status open_stacks(kn_ctx *ctx, slicing *s)
-{
-    kn_status status = KN_OK;
-#if KN_WITH_LIB3MF
-    for (int i = 0; i < s->recipe.noutputs && status == KN_OK; i++)
-        if (cli_has_ending(s->recipe.outputs[i], "3mf"))
-            status = kn_3mf_slices_create(ctx, &s->stacks[i], s->recipe.outputs[i], s->unit_mm, s->bottom,
-                                          0.5 * s->step);
-#else
-    (void)ctx, (void)s;
-#endif
     return status;
 }
 
@@ -255,7 +273,7 @@ static void print(const slicing *s, double seconds, size_t peak)
     const cli_job *job = &s->recipe.layer[0];
     if (job->json) {
         json_t *o = json_pack("{s:o,s:I,s:f,s:f,s:f,s:f,s:I,s:I,s:I,s:o,s:o,s:I,s:I,s:I,s:f,s:I}", "base",
-                              cli_json_text(job->base), "layers", (json_int_t)s->count, "layer", s->step, "bottom",
+                              cli_json_text(job->base), "layers", (json_int_t)s->written, "layer", s->step, "bottom",
                               s->bottom, "top", s->top, "tolerance", s->options.tol, "contours",
                               (json_int_t)s->nloops, "open", (json_int_t)s->nopen, "points", (json_int_t)s->npoints,
                               "gap", cli_json_upper(s->gap), "error", cli_json_upper(s->error), "doubtful",
@@ -268,7 +286,7 @@ static void print(const slicing *s, double seconds, size_t peak)
     }
     if (job->quiet) return;
     const char *unit = cli_unit_name(s->unit_mm);
-    printf("%zu layers of %g %s, z from %g to %g %s\n", s->count, s->step, unit, s->bottom, s->top, unit);
+    printf("%zu layers of %g %s, z from %g to %g %s\n", s->written, s->step, unit, s->bottom, s->top, unit);
     printf("%zu contours of %zu points within %g %s", s->nloops, s->npoints, s->options.tol, unit);
     if (s->nopen > 0) printf(", %zu of them open", s->nopen);
     if (s->gap > 0) printf(", ends joined over %.2g at most", s->gap);
@@ -306,11 +324,14 @@ static int slice(cli_session *session, slicing *s, const cli_inputs *in)
     if (code == EXIT_OK) code = find_layers(session, s);
     if (code == EXIT_OK) code = find_box(session, s, in);
     if (code == EXIT_OK) {
-        kn_status status = open_stacks(ctx, s);
-        if (status == KN_OK)
-            status = kn_slice_job(ctx, s->plan.shown, s->plan.nshown, &s->options, take_layer, s, &s->report);
+        kn_status status = kn_slice_job(ctx, s->plan.shown, s->plan.nshown, &s->options, take_layer, s, &s->report);
         status = end_stacks(ctx, s, status);
         if (status != KN_OK) code = cli_fail(session, status, false);
+        if (code == EXIT_OK && s->written == 0) {
+            cli_error("slice: no layer between z = %g and %g meets the texture: nothing is written", s->bottom,
+                      s->top);
+            code = EXIT_BAD_INPUT;
+        }
     }
     cli_plan_end(session, &s->plan);
     if (code == EXIT_OK) print(s, cli_seconds() - began, kn_ctx_counters(ctx).peak_bytes);

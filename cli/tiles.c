@@ -43,9 +43,16 @@ static json_t *tile_json(const kn_tile *tile)
     tile_degree(tile, degree);
     json_t *parts = json_array();
     for (int p = 0; p < tile->nparts; p++) json_array_append_new(parts, json_string(tile->parts[p].name));
-    return json_pack("{s:s,s:s,s:s,s:f,s:i,s:[ii],s:o}", "name", tile->name, "about", tile->about, "kind",
+    json_t *parameters = json_array();
+    for (int k = 0; k < tile->nparameters; k++) {
+        const kn_tile_parameter *p = &tile->parameters[k];
+        json_array_append_new(parameters, json_pack("{s:s,s:f,s:f,s:[f,f]}", "name", p->name, "value", p->value,
+                                                    "target", p->target, "range", p->lo, p->hi));
+    }
+    return json_pack("{s:s,s:s,s:s,s:f,s:i,s:[ii],s:o,s:o}", "name", tile->name, "about", tile->about, "kind",
                      tile->covering ? "covering" : "casual", "aspect", tile->aspect, "patches",
-                     (int)count_patches(tile), "degree", degree[0], degree[1], "parts", parts);
+                     (int)count_patches(tile), "degree", degree[0], degree[1], "parts", parts, "parameters",
+                     parameters);
 }
 
 static int list(cli_session *session, bool json)
@@ -61,7 +68,7 @@ static int list(cli_session *session, bool json)
         else if (json)
             json_array_append_new(all, tile_json(&tile));
         else
-            printf("%-8s %-8s %3zu patches  %s\n", tile.name, tile.covering ? "covering" : "casual",
+            printf("%-10s %-8s %3zu patches  %s\n", tile.name, tile.covering ? "covering" : "casual",
                    count_patches(&tile), tile.about);
         kn_tile_clear(ctx, &tile);
     }

@@ -4,6 +4,8 @@
 
 #include "kernel/bernstein.h"
 
+#include <string.h>
+
 // Restricted to the part's share of one piece, box [lo,hi] in parameters.
 typedef struct share {
     const kn_meet_part *p;
@@ -127,7 +129,8 @@ typedef struct extents {
 static kn_status measure(kn_meet_hull *h, extents *out, double *both, const double *x, double error,
                          const kn_meet_patch *p, int y, int d)
 {
-    int degree[3] = {p->net.degree[0], p->net.degree[1], p->net.degree[2]}, ny = degree[y], nd = degree[d];
+    int degree[3], ny = p->net.degree[y], nd = p->net.degree[d];
+    memcpy(degree, p->net.degree, sizeof degree);
     double *one = kn_scratch(h->m->ctx, p->net.count, sizeof *one);
     if (!one) return KN_ENOMEM;
     out->all = kn_largest(x, p->net.count) + error;

@@ -266,10 +266,11 @@ static void turn_box(kn_job_extent *e, int turn)
 
 bool kn_job_place_extent(kn_job_place *place, kn_job_extent *e, const kn_job *job, int surface, const int cell[2])
 {
-    if (kn_job_is_clipped(job, surface, cell, e->offset)) return false;
+    double end[2][2];
     *place = kn_job_find_place(job, surface, cell, e->offset);
     turn_box(e, place->turn);
-    return true;
+    kn_job_clip_ends(end, job, place);
+    return kn_job_clip_box(e->lo, e->hi, (const double(*)[2])end) != KN_CLIP_OUTSIDE;
 }
 
 kn_status kn_job_bounds_cell(kn_ctx *ctx, double lo[3], double hi[3], const kn_job_bounds *bounds, int surface,

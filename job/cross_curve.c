@@ -12,7 +12,8 @@ static int compare(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-// at[0 .. n - 1], sorted: where the curve meets a line, or an end at which it is cut off. Places nearer than 2^-40 to another, or to an end, are one.
+// at[0 .. n - 1], sorted: where the curve meets a line, or an end at which it is cut off. Places nearer than 2^-40 to
+// another, or to an end, are one.
 static kn_status find_cuts(kn_ctx *ctx, double *at, int *n, int room, const kn_crossing *x)
 {
     kn_bezier part = {0};

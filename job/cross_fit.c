@@ -12,7 +12,7 @@
 #include <knurl/fit.h>
 #include <math.h>
 
-enum { DEPTH = 6, PARTS = 400, PROBES = 8, VARS = KN_JOB_VARS };
+enum { DEPTH = 6, PARTS = 400, VOLUME_PARTS = 60, PROBES = 8, VARS = KN_JOB_VARS };
 
 typedef struct fitting {
     kn_crossing *x;
@@ -185,6 +185,7 @@ static kn_status bound_part(kn_ctx *ctx, fitting *f, const double *lo, const dou
             most = fmax(most, one);
         }
     kn_bezier_clear(ctx, &d);
+    if (status == KN_OK) status = kn_progress(ctx, "knot lines", 0.0);
     if (status != KN_OK) return status;
     if (most <= f->tol || depth == DEPTH || --f->parts < 0) {
         f->bound = fmax(f->bound, most);
@@ -208,7 +209,7 @@ static kn_status bound_all(kn_ctx *ctx, fitting *f)
     kn_status status = KN_OK;
     for (int i = 0; i <= f->x->n[0]; i++)
         for (int j = 0; status == KN_OK && j <= f->x->n[1]; j++) status = make_error(ctx, f, i, j);
-    f->bound = 0.0, f->parts = PARTS;
+    f->bound = 0.0, f->parts = f->x->d->nvars == 3 ? VOLUME_PARTS : PARTS;
     return status == KN_OK ? bound_part(ctx, f, zero, one, 0) : status;
 }
 

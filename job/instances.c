@@ -79,9 +79,9 @@ static kn_status check_placement(kn_ctx *ctx, const kn_job *job)
         return kn_fail(ctx, KN_EDOMAIN, "job: rows or columns can be staggered, not both");
     if (job->tile.covering && p->angle != 0.0)
         return kn_fail(ctx, KN_EDOMAIN,
-                       "job: tile \"%s\" covers its cell, and turned by %g radians it would not: take quarter turns "
+                       "job: tile \"%s\" covers its cell, and turned by %g degrees it would not: take quarter turns "
                        "(--rotate 90), or a casual tile",
-                       job->tile.name, p->angle);
+                       job->tile.name, p->angle * 57.295779513082321);
     if (p->scatter.distance == 0.0) return KN_OK;
     if (job->tile.covering)
         return kn_fail(ctx, KN_EDOMAIN, "job: tile \"%s\" covers its cell: only a casual tile can be scattered",
@@ -186,6 +186,9 @@ static kn_status check_seams(kn_ctx *ctx, const kn_job *job, const struct kn_job
             const kn_job_surface *s = &job->surfaces[i];
             int d = e / 2;
             if ((!s->closed[d] && !s->partner[e].goes_on) || meets(job, t, i, e)) continue;
+            int other = s->closed[d] ? s->origin : job->surfaces[s->partner[e].edge / 4].origin;
+            if (!kn_job_selects(&job->options.select, s->origin) || !kn_job_selects(&job->options.select, other))
+                continue;
             int rows = d == 0 ? t->under[1] : t->under[0];
             bool mirror = job->options.placement.mirror[d];
             if (s->closed[d])

@@ -61,8 +61,8 @@ typedef struct kn_job_partner {
     bool goes_on;  // so do cell lines and normals, and a tile goes on over it (kn_job_match_edges)
 } kn_job_partner;
 
-// A cell, perhaps of another surface than the tile's own, and the way into its coordinates: turn % 4 quarter turns, then,
-// with KN_JOB_FLIP, (u, v, w) -> (u, 1 - v, -w): over an edge at which the normal turns over.
+// A cell, perhaps of another surface than the tile's own, and the way into its coordinates: turn % 4 quarter turns,
+// then, with KN_JOB_FLIP, (u, v, w) -> (u, 1 - v, -w): over an edge at which the normal turns over.
 enum { KN_JOB_FLIP = 4 };
 typedef struct kn_job_place {
     int surface, cell[2], turn;
@@ -379,7 +379,8 @@ typedef struct kn_job_instance kn_job_instance;
 kn_status kn_job_cut_own(kn_ctx *ctx, kn_job_patches *out, const kn_job *job, int surface, const int cell[2],
                          const kn_job_instance *instance);
 // *plan, zero-initialised, = what the cell numbered `index` composes: the same answer whenever it is asked.
-// outline: to count it; pieces may come without coefficients then (kn_job_cross and kn_job_map_meshes get them whole).
+// outline: to count it; pieces may come without coefficients then (kn_job_cross and kn_job_map_meshes get them
+// whole).
 kn_status kn_job_plan_cell(kn_ctx *ctx, kn_job_cell_plan *plan, const kn_job *job, size_t index, bool outline);
 
 // ---- job.c ----
@@ -422,6 +423,8 @@ bool kn_job_next_block(kn_job_block *out, kn_job_cursor *at, const kn_job *job);
 // there), and one that frees them; any thread calls what lies between.
 kn_status kn_job_select_init(kn_ctx *ctx, kn_job *job);
 void kn_job_select_clear(kn_ctx *ctx, kn_job *job);
+// Whether a surface of the base is among those that are selected.
+bool kn_job_selects(const kn_job_selection *o, int origin);
 kn_status kn_job_has_cell(kn_ctx *ctx, bool *has, const kn_job *job, int surface, const int cell[2]);
 
 // ---- instances.c ----
@@ -464,14 +467,15 @@ kn_status kn_job_cross(kn_ctx *ctx, bool *crossed, kn_job_cell_plan *plan, const
                        const kn_job_place *place, const kn_bezier *d);
 
 // ---- leaf_trim.c ----
-// Whether the tile's surface is trimmed of which the leaf is a part; and what that leaves, in the [0,1]^2 of its rect.
+// Whether the tile's surface is trimmed of which the leaf is a part; and what that leaves, in the [0,1]^2 of its
+// rect.
 bool kn_job_is_trimmed(const kn_job_cell_plan *plan, const kn_job_leaf *leaf);
 kn_status kn_job_leaf_trim(kn_ctx *ctx, kn_trim *out, bool *any, const kn_job_cell_plan *plan,
                            const kn_job_leaf *leaf);
 
 // ---- cross_boxes.c ----
-// Whether S has a knot at a cell line inside its domain, or is closed there: `line` counts from the cell. Where patches
-// may cross, so do lines count between cells of different widths, at which (u,v) in cells is bent.
+// Whether S has a knot at a cell line inside its domain, or is closed there: `line` counts from the cell. Where
+// patches may cross, so do lines count between cells of different widths, at which (u,v) in cells is bent.
 bool kn_job_is_knot(const kn_job *job, const kn_job_surface *s, const int cell[2], int var, double line);
 
 // ---- variants.c ----

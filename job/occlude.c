@@ -388,7 +388,8 @@ static kn_status find_tallest(kn_ctx *ctx, void *user, size_t block)
     return status;
 }
 
-// What a normal, or its stand-in, is longer than 1 counts.
+// What a normal, or its stand-in, is longer than 1 counts, and by how much pieces at knot lines and at ends are off,
+// and meshes.
 static kn_status find_thickness(kn_ctx *ctx, double *out, const kn_job *job)
 {
     size_t blocks = (job->ncells + BLOCK - 1) / BLOCK;
@@ -397,8 +398,12 @@ static kn_status find_thickness(kn_ctx *ctx, double *out, const kn_job *job)
     *out = 0.0;
     for (size_t b = 0; status == KN_OK && b < blocks; b++) *out = fmax(*out, h.most[b]);
     *out *= 1.0 + 4.0 * job->options.normal_tol;
-    if (job->options.crossing == KN_CROSSING_APPROXIMATE)
+    const kn_job_border *ends = job->options.placement.border;
+    if (job->options.crossing != KN_CROSSING_REFUSE || ends[0] == KN_BORDER_CLIP || ends[1] == KN_BORDER_CLIP)
         *out += job->options.crossing_tol > 0.0 ? job->options.crossing_tol : INFINITY;
+    bool meshes = false;
+    for (int p = 0; p < job->tile.nparts; p++) meshes = meshes || job->tile.parts[p].mesh.nvertices > 0;
+    if (meshes) *out += job->options.mesh_tol;
     kn_free(ctx, h.most);
     return status;
 }

@@ -99,6 +99,13 @@ static kn_status give_up(kn_ctx *ctx, const kn_job_cell_plan *plan, const kn_job
                            ? "--crossing approximate takes a polynomial for it, within --crossing-tol"
                            : "--crossing trim cuts it along the line, --crossing approximate keeps it whole");
     }
+    if (crosses && p->d.nvars == 3)
+        return kn_fail(
+            ctx, KN_EUNDECIDED,
+            "job: volume %d of tile part \"%s\" crosses a knot line of surface %d, or a line between cells "
+            "of different widths, in cell %d,%d, and no few polynomials are within the tolerance of it: a "
+            "--count for cells of one width, or a larger --crossing-tol, may do",
+            p->patch, name, s->origin, cell[0], cell[1]);
     if (beyond)
         return kn_fail(ctx, KN_EUNDECIDED,
                        "job: patch %d of tile part \"%s\" in cell %d,%d of surface %d reaches beyond %s, where the "
@@ -157,7 +164,8 @@ static kn_status plan_halves(kn_ctx *ctx, kn_job_cell_plan *plan, const kn_job_l
 // One part of a patch over the tight box around it, or, where no piece fits there, its halves.
 static kn_status plan_rect(kn_ctx *ctx, kn_job_cell_plan *plan, const kn_job_leaf *leaf, const kn_job_place *place)
 {
-    enum { CROSSING_DEPTH = 6 }; // where it is refused: along parameter lines that bisection finds
+    // Where crossing is refused: along parameter lines that bisection finds. Volumes over a line have no end of parts.
+    enum { CROSSING_DEPTH = 6, VOLUME_DEPTH = 9 };
     kn_bezier d = {0};
     const kn_job_rect *rect = &leaf->key.rect;
     kn_status status = kn_job_restrict(ctx, &d, kn_job_leaf_patch(plan, leaf), *rect, place->turn);
@@ -185,7 +193,8 @@ static kn_status plan_rect(kn_ctx *ctx, kn_job_cell_plan *plan, const kn_job_lea
     }
     if (status == KN_OK && !done) {
         bool refuse = crosses && plan->job->options.crossing == KN_CROSSING_REFUSE && d.nvars > 1;
-        if (depth >= (refuse ? CROSSING_DEPTH : d.nvars * KN_JOB_MAX_DEPTH))
+        int most = refuse ? CROSSING_DEPTH : crosses && d.nvars == 3 ? VOLUME_DEPTH : d.nvars * KN_JOB_MAX_DEPTH;
+        if (depth >= most)
             status = give_up(ctx, plan, leaf, place, &d, crosses);
         else
             status = choose_cut(ctx, &var, &d, *rect);

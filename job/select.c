@@ -48,12 +48,13 @@ static kn_status check_selection(kn_ctx *ctx, const kn_job *job)
 static bool leaves_holes(const kn_job_selection *o)
 {
     return o->surfaces || o->mask.value || o->cone || o->skip[0] > 1 || o->skip[1] > 1 ||
-           (o->density > 0.0 && o->density < 1.0) || o->first > 0 || o->count > 0 || o->slab;
+           (o->density > 0.0 && o->density < 1.0) || o->first > 0 || o->count > 0 || o->slab ||
+           (o->view && o->view->least_pixels > 0.0);
 }
 
 // ---- one cell ----
 
-static bool has_surface(const kn_job_selection *o, int origin)
+bool kn_job_selects(const kn_job_selection *o, int origin)
 {
     if (!o->surfaces) return true;
     for (int i = 0; i < o->nsurfaces; i++)
@@ -155,7 +156,7 @@ static kn_status judge(kn_ctx *ctx, kn_job_drop *why, const selecting *s, kn_job
     const kn_job_surface *from = &s->job->surfaces[surface];
     const int at[2] = {from->origin_cell[0] + cell[0], from->origin_cell[1] + cell[1]};
     *why = KN_DROP_REASONS;
-    if (!has_surface(o, from->origin)) {
+    if (!kn_job_selects(o, from->origin)) {
         *why = KN_DROP_SURFACE;
     } else if (index < o->first || (o->count > 0 && index - o->first >= o->count)) {
         *why = KN_DROP_RANGE;

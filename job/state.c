@@ -122,7 +122,7 @@ static kn_status check_head(kn_ctx *ctx, const kn_job_state *state, const uint64
     if (head[0] != checksum(state->data + sizeof *head, state->bytes - sizeof *head) || head[1] != version)
         return kn_fail(ctx, KN_EDOMAIN, "job: the state of the interrupted run is damaged, or of another version");
     if (head[2] != state->identity || head[4] != state->nblocks || head[3] > head[4])
-        return kn_fail(ctx, KN_EDOMAIN, "job: the interrupted run was another job");
+        return kn_fail(ctx, KN_EDOMAIN, "job: the interrupted run was another job: remove its state to begin anew");
     return KN_OK;
 }
 

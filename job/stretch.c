@@ -153,6 +153,15 @@ static kn_status apply(kn_ctx *ctx, double *most, kn_job_bases *bases, kn_spline
     return status;
 }
 
+// h is no one polynomial across cell lines, and T with it.
+static void mark_knots(kn_job *job, const kn_spline *h)
+{
+    for (int i = 0; i < job->nsurfaces; i++)
+        for (int d = 0; d < 2; d++)
+            for (int k = 0; h[i].degree[d] > 0 && k <= job->surfaces[i].cells[d]; k++)
+                job->surfaces[i].knot[d][k] = true;
+}
+
 kn_status kn_job_stretch(kn_ctx *ctx, kn_job *job, kn_job_bases *bases)
 {
     size_t n = (size_t)bases->n;
@@ -174,6 +183,7 @@ kn_status kn_job_stretch(kn_ctx *ctx, kn_job *job, kn_job_bases *bases)
         error[s] += change[s] / least_stretch * (1.0 + 0x1p-40);
         job->report.stretch_error = fmax(job->report.stretch_error, error[s]);
     }
+    if (status == KN_OK) mark_knots(job, h);
     if (status == KN_OK) status = apply(ctx, &most, bases, h);
     if (status == KN_OK) job->w_length *= most;
     for (size_t s = 0; h && s < n; s++) kn_spline_clear(ctx, &h[s]);

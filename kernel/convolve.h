@@ -13,10 +13,11 @@
 // coefficients (times their binomials) it is the product of the polynomials.
 // in:     sign 1 or -1; a and b may be the same, c is apart from both. work: kn_convolve_work numbers, 64-byte
 //         aligned, not cleared.
-// error:  T terms in a sum: gamma(L + 1) sum |a_i b_j| beside what c held, L = min(T, 20 + M (r + c + 40)), r and c the
-//         lesser of da[d] + 1 and db[d] + 1 in the last two variables (1 for none), M the product of the others, for
-//         da[d] + db[d] <= KN_MAX_DEGREE, else T; products and sums may be fused, in an order that depends on the machine and the degrees alone. Small integers are exact.
-//         Beside an infinity or a NaN more coefficients of c may become NaN than the definition asks for.
+// error:  T terms in a sum: gamma(L + 1) sum |a_i b_j| beside what c held, L = min(T, 20 + M (r + c + 40)), r and c
+//         the lesser of da[d] + 1 and db[d] + 1 in the last two variables (1 for none), M the product of the others,
+//         for da[d] + db[d] <= KN_MAX_DEGREE, else T; products and sums may be fused, in an order that depends on the
+//         machine and the degrees alone. Small integers are exact. Beside an infinity or a NaN more coefficients of c
+//         may become NaN than the definition asks for.
 void kn_convolve(double *c, int nvars, const double *a, const int *da, const double *b, const int *db, double sign,
                  double *work);
 size_t kn_convolve_work(int nvars, const int *da, const int *db);

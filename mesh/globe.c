@@ -2,9 +2,9 @@
 // Vertices on the unit sphere: where they may be, and where they are best.
 //
 // Of a triangle of area A in space and det(p, q, r) = 2 S on the sphere the map between them stretches by
-//     D (1 + (A / S)^2),  D = sum over edges of |edge on the sphere|^2 (cotangent of the angle opposite in space) / 2,
-// the Dirichlet energies of the linear map and of its inverse where the triangle is small, as S is its area then; and
-// without end where S vanishes, be it small or as large as half the sphere.
+//     D (1 + (A / S)^2),  D = half the sum over edges of |edge on the sphere|^2 (cotangent of the angle opposite),
+// the angle in space: the Dirichlet energies of the linear map and of its inverse where the triangle is small, as S is
+// its area then; and without end where S vanishes, be it small or as large as half the sphere.
 #include "mesh/sphere.h"
 
 #include <float.h>
@@ -35,9 +35,9 @@ static bool normalize(double x[3])
     return true;
 }
 
-// Two differences (a rounding each), two products and a difference of them, a product, two sums: at most 8 roundings of
-// the sum of absolute values, and as many for that; what falls below the range of doubles is at most 2^-1074 each time,
-// times factors below 4.
+// Two differences (a rounding each), two products and a difference of them, a product, two sums: at most 8 roundings
+// of the sum of absolute values, and as many for that; what falls below the range of doubles is at most 2^-1074 each
+// time, times factors below 4.
 double kn_mesh_turn_value(const double *p, const double *q, const double *r, double *bound)
 {
     double a[3], b[3], sum = 0.0, most = 0.0;

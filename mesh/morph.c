@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // kn_mesh_morph: one connectivity for two meshes.
 //
-// Closed ones meet on the sphere (mesh/closed.c). Disks are laid flat onto the unit disk (kn_mesh_flatten), each with the border vertex that lies farthest in the
-// first coordinate at (1,0). Triangles of a are quartered there, and each vertex is looked up in b: on the border by
-// its angle, inside by its barycentric coordinates in the triangle that has it.
+// Closed ones meet on the sphere (mesh/closed.c). Disks are laid flat onto the unit disk (kn_mesh_flatten), each with
+// the border vertex that lies farthest in the first coordinate at (1,0). Triangles of a are quartered there, and each
+// vertex is looked up in b: on the border by its angle, inside by its barycentric coordinates in the triangle that
+// has it.
 #include "kernel/context.h"
 #include "mesh/closed.h"
 #include "mesh/edges.h"

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// Two closed meshes on one sphere become one (Alexa, Merging polyhedral shapes with scattered features, Visual Computer
-// 16, 2000).
+// Two closed meshes on one sphere become one (Alexa, Merging polyhedral shapes with scattered features, Visual
+// Computer 16, 2000).
 //
 // Faces are the places where a triangle of a and one of b overlap: convex, of at most six corners. All follows from
 // signs of det(p, q, r) of three vertices on the sphere, each certain (kn_mesh_turn), so that what is built is what
 // there is. From a face one goes over its edges to those beside it.
 //
-// Inside a triangle of a, and of b, the map to space is the projection from the centre onto a plane: great circles are
-// straight lines, hence the faces are flat pieces of the triangles of a as they are of those of b.
+// Inside a triangle of a, and of b, the map to space is the projection from the centre onto a plane: great circles
+// are straight lines, hence the faces are flat pieces of the triangles of a as they are of those of b.
 #include "mesh/overlay.h"
 #include "kernel/context.h"
 #include "kernel/hash.h"
@@ -220,7 +220,8 @@ static kn_status add_pair(kn_ctx *ctx, build *b, uint32_t p, uint32_t q)
 
 // ---- a face ----
 
-// Of the triangles t[0] and t[1]: side[k][i][j] is the side of edge i of t[k] on which corner j of the other one lies.
+// Of the triangles t[0] and t[1]: side[k][i][j] is the side of edge i of t[k] on which corner j of the other one
+// lies.
 typedef struct face {
     uint32_t t[2];
     int side[2][3][3];
@@ -234,8 +235,9 @@ static bool is_inside(const face *f, int k, int i)
     return f->side[1 - k][0][i] > 0 && f->side[1 - k][1][i] > 0 && f->side[1 - k][2][i] > 0;
 }
 
-// Edge i of t[k] crosses edge j of the other: 1 into the other triangle, -1 out of it, 0 not at all. The four signs are
-// det(p,r,q), det(r,q,s), det(q,s,p), det(s,p,r) of pq and rs; all equal where these cross, and not behind the centre.
+// Edge i of t[k] crosses edge j of the other: 1 into the other triangle, -1 out of it, 0 not at all. The four signs
+// are det(p,r,q), det(r,q,s), det(q,s,p), det(s,p,r) of pq and rs; all equal where these cross, and not behind the
+// centre.
 static int crosses(const face *f, int k, int i, int j)
 {
     int j1 = (j + 1) % 3, i1 = (i + 1) % 3;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// kn_mesh_to_sphere: vertices are taken away until a tetrahedron is left, which lies on the sphere without a fold, and
-// put back where none comes to be (Praun & Hoppe).
+// kn_mesh_to_sphere: vertices are taken away until a tetrahedron is left, which lies on the sphere without a fold,
+// and put back where none comes to be (Praun & Hoppe).
 //
 // Of every closed surface of genus 0 some vertex with at most five neighbours can go: outside of its ring chords do
 // not cross, so that of five corners two have none, and from one of these the triangles of the others are new edges.

@@ -34,7 +34,8 @@ static kn_status centre(kn_ctx *ctx, centred *out, const kn_bezier *p)
         out->least_weight = fmin(out->least_weight, weight);
         out->most_weight = fmax(out->most_weight, weight);
     }
-    out->error = kn_round_up(1.5 * kn_gamma_up(2.0) * terms); // 1.5 > sqrt(2), DBL_MIN against underflow
+    // gamma(2), and as much for differences of differences; 1.5 > sqrt(2), DBL_MIN against underflow
+    out->error = kn_round_up(1.5 * kn_gamma_up(4.0) * terms);
     out->error += DBL_MIN;
     return KN_OK;
 }
@@ -47,14 +48,14 @@ static kn_status find(kn_ctx *ctx, kn_slice_bounds *out, const kn_bezier *p, cen
     kn_bezier d[N] = {{0}};
     const double n = p->degree[0], m = p->degree[1];
     const double raised[N] = {1.0, 2.0 * n, 2.0 * m, 4.0 * n * n, 4.0 * n * m, 4.0 * m * m}; // a coefficient's error
-    double w = c->least_weight, x[N], v[N];
+    double w = c->least_weight, lost = p->rational ? kn_gamma_up(4.0) * c->most_weight : 0.0, x[N], v[N];
     kn_status status = KN_OK;
     kn_bezier_swap(&d[ALL], &c->piece);
     for (int k = R; status == KN_OK && k < N; k++)
         status = kn_bezier_derivative(ctx, &d[k], &d[k <= T ? ALL : k == TT ? T : R], k == T || k == RT || k == TT);
     for (int k = 0; status == KN_OK && k < N; k++) {
         x[k] = kn_round_up(kn_largest_vector(&d[k], 0, 2) + raised[k] * c->error);
-        v[k] = kn_round_up(kn_largest_vector(&d[k], 2, 1));
+        v[k] = kn_round_up(kn_largest_vector(&d[k], 2, 1) + (k == ALL ? 0.0 : raised[k] * lost));
     }
     if (status == KN_OK) {
         double at = x[ALL] / w, first[2] = {(x[R] + v[R] * at) / w, (x[T] + v[T] * at) / w};

@@ -135,13 +135,10 @@ static kn_status link_near(kn_ctx *ctx, chains *c, const key *keys, double reach
 }
 
 // Ends on a trim have one on the other side of it. Where the contour runs nearly along the trim, or the surface is
-// nearly level, it may be farther away than the two sides are.
+// nearly level, it may be farther away than the two sides are, by some factor: beyond 8 ends stay open.
 static kn_status link_trims(kn_ctx *ctx, chains *c, const key *keys, double reach)
 {
-    kn_status status = KN_OK;
-    for (double factor = 8.0; status == KN_OK && factor <= 64.0; factor *= 8.0)
-        status = link_near(ctx, c, keys, factor * reach, true);
-    return status;
+    return link_near(ctx, c, keys, 8.0 * reach, true);
 }
 
 // Writes the pieces from `start` on, each without its first point where that is the last one's end.

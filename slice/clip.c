@@ -123,6 +123,7 @@ static kn_status refine(kn_ctx *ctx, double at[2], const clipping *c, const doub
         double middle = end[0] + (end[1] - end[0]) * (step % 4 == 3 ? 0.5 : f[0] / (f[0] - f[1]));
         if (!(middle > end[0] && middle < end[1])) break;
         status = value(ctx, &x, c->f, a, b, middle);
+        if (status != KN_OK) break;
         int e = (x < 0.0) == (f[0] < 0.0) ? 0 : 1;
         end[e] = middle, f[e] = x;
         if (stays == e) f[1 - e] *= 0.5;

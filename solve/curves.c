@@ -3,11 +3,11 @@
 //
 // A box is done when one partial derivative, say f_x, keeps its sign in it, rounding included: zeros are then graphs
 // x = g(y) over intervals of y that begin and end where f changes its sign on the box's boundary, and in the order of
-// y these places say which belong together. |g'| = |f_y / f_x| <= Q by the coefficients, and g'' = -(f_yy + 2 f_xy g' +
-// f_xx g'^2) / f_x is bounded by them as well: |g''| <= G, so that a chord of g over a length h deviates by at most
+// y these places say which belong together. |g'| = |f_y / f_x| <= Q by the coefficients, and g'' = -(f_yy + 2 f_xy g'
+// + f_xx g'^2) / f_x is bounded by them as well: |g''| <= G, so that a chord of g over a length h deviates by at most
 // G h^2 / 8. Each graph gets as many chords as that asks for; where those are too many, or no derivative keeps its
-// sign, the box is halved. The places on the new line are found once and handed to both halves, so that what one draws
-// the other goes on with.
+// sign, the box is halved. The places on the new line are found once and handed to both halves, so that what one
+// draws the other goes on with.
 #include "solve/curves.h"
 
 #include "bezier/norm_bound.h"
@@ -130,7 +130,8 @@ static int gather(double *to, const tracer *t, const double *c, int which)
 
 // ---- one box ----
 
-// The places of a box counterclockwise; enters: the curve goes in there (f changes from + to -, run counterclockwise).
+// The places of a box counterclockwise; enters: the curve goes in there (f changes from + to -, run
+// counterclockwise).
 typedef struct around {
     size_t point;
     bool enters;
@@ -235,9 +236,9 @@ static kn_status draw_graph(kn_ctx *ctx, tracer *t, const box *b, int y, double 
     return status;
 }
 
-// Zeros as graphs over variable y of a function whose derivative across has one sign: `up` when it is positive. Places
-// in the order of y are the beginnings and ends of graphs in turn. *joined is false, and nothing is drawn, where they
-// are not (rounding). longest: of a chord, in y.
+// Zeros as graphs over variable y of a function whose derivative across has one sign: `up` when it is positive.
+// Places in the order of y are the beginnings and ends of graphs in turn. *joined is false, and nothing is drawn,
+// where they are not (rounding). longest: of a chord, in y.
 static kn_status join_graphs(kn_ctx *ctx, tracer *t, bool *joined, const box *b, int y, bool up, double longest)
 {
     int low = y == 1 ? BOTTOM : LEFT, high = y == 1 ? TOP : RIGHT, near = y == 1 ? LEFT : BOTTOM;

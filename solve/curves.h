@@ -23,10 +23,10 @@ void kn_bernstein_scale(double *scaled, const double *c, int degree);
 double kn_bernstein_horner(const double *scaled, int degree, double t);
 
 // Appends, in increasing order, the places of [0,1] where f, of Bernstein coefficients c[0 .. degree], goes from
-// f < 0 to f >= 0 or back, to neighbouring doubles: zero counts as positive, so that any two functions that agree have
-// the same list, also where f vanishes at an end or throughout. Neighbouring crossings alternate. Reversing c gives the
-// same places, 1 - at up to its rounding. *doubtful (not cleared) counts the places where two crossings, or none, are
-// nearer to each other than the rounding of the coefficients tells.
+// f < 0 to f >= 0 or back, to neighbouring doubles: zero counts as positive, so that any two functions that agree
+// have the same list, also where f vanishes at an end or throughout. Neighbouring crossings alternate. Reversing c
+// gives the same places, 1 - at up to its rounding. *doubtful (not cleared) counts the places where two crossings, or
+// none, are nearer to each other than the rounding of the coefficients tells.
 kn_status kn_solve_sign_changes(kn_ctx *ctx, kn_sign_changes *out, size_t *doubtful, const double *c, int degree);
 
 typedef struct kn_trace_options {

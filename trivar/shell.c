@@ -78,7 +78,8 @@ kn_status kn_shell_resolve(kn_ctx *ctx, kn_shell_options *out, const kn_shell_op
     if (o.normal != KN_NORMAL_FITTED && o.normal != KN_NORMAL_EXACT_DIRECTION)
         return kn_fail(ctx, KN_EDOMAIN, "shell: normal %d is no method", (int)o.normal);
     if (!(o.normal_tol > 0.0 && o.normal_tol < 0.5))
-        return kn_fail(ctx, KN_EDOMAIN, "shell: normal_tol %g", o.normal_tol);
+        return kn_fail(ctx, KN_EDOMAIN, "shell: normal_tol %g: a number above 0 and below 0.5 is needed",
+                       o.normal_tol);
     if (o.max_spans < 1) return kn_fail(ctx, KN_EDOMAIN, "shell: max_spans %d", o.max_spans);
     *out = o;
     return KN_OK;

@@ -11,8 +11,8 @@
 extern "C" {
 #endif
 
-// What a reader found: splines of any kinds in file order, and polygons as triangles. A zero-initialised kn_model is a
-// valid empty one.
+// What a reader found: splines of any kinds in file order, and polygons as triangles. A zero-initialised kn_model is
+// a valid empty one.
 typedef struct kn_model {
     kn_spline *splines;
     int nsplines;
@@ -101,18 +101,19 @@ KN_API KN_CHECKED kn_status kn_stl_sink(kn_ctx *ctx, kn_sink *out, const char *p
 KN_API KN_CHECKED kn_status kn_obj_sink(kn_ctx *ctx, kn_sink *out, const char *path);
 
 // Keeps patches as splines over [0,1]^n in the job's order, with the bits that they have; reversed surfaces are run
-// through the other way. A base for another job (texture on texture): with a direction, and tiles of low degrees, exact
-// to any depth that KN_MAX_DEGREE allows. *model is the caller's, overwritten when the job has ended, and then a valid
-// model; until then as it was.
+// through the other way. A base for another job (texture on texture): with a direction, and tiles of low degrees,
+// exact to any depth that KN_MAX_DEGREE allows. *model is the caller's, overwritten when the job has ended, and then
+// a valid model; until then as it was.
 // fails: KN_EDOMAIN meshes, trimmed patches; KN_ENOMEM.
 KN_API KN_CHECKED kn_status kn_collect_sink(kn_ctx *ctx, kn_sink *out, kn_model *model);
 
 // Writes nothing. bytes: of the patches' coefficients as doubles.
 KN_API KN_CHECKED kn_status kn_null_sink(kn_ctx *ctx, kn_sink *out);
 
-// kn_job_run, or of several layers kn_job_run_layers, that can be interrupted: at once, and every `seconds` (0: 5; negative: after each block), how far it is goes to the file
-// at `journal` (by convention the output's path and ".journal"), which is replaced in one step, and removed when all
-// went well. After a failure, a cancellation, or the end of the process the sinks' unfinished files stay beside it.
+// kn_job_run, or of several layers kn_job_run_layers, that can be interrupted: at once, and every `seconds` (0: 5;
+// negative: after each block), how far it is goes to the file at `journal` (by convention the output's path and
+// ".journal"), which is replaced in one step, and removed when all went well. After a failure, a cancellation, or the
+// end of the process the sinks' unfinished files stay beside it.
 // resume: goes on from there, where the journal exists, with new sinks for the same paths: the same bytes as without
 //         the interruption. Where there is none it begins.
 // in:     sinks: of files (STEP, STL, OBJ) and kn_null_sink; not those that hold all until the end (glTF).

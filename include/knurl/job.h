@@ -32,7 +32,8 @@ typedef enum kn_job_side {
     KN_JOB_BOTH,  // [-H,H]
 } kn_job_side;
 
-// How tiles go on beyond the ends of a surface that is not closed (the vocabulary of other tools: extend, clip, cyclic).
+// How tiles go on beyond the ends of a surface that is not closed (the vocabulary of other tools: extend, clip,
+// cyclic).
 typedef enum kn_job_border {
     KN_BORDER_EXTEND, // what reaches beyond stays, over the surface extended as a polynomial
     KN_BORDER_CLIP,   // what reaches beyond is cut off: along a parameter line, or trimmed within crossing_tol
@@ -72,8 +73,8 @@ typedef struct kn_job_view {
     // What a coarser tessellation may be off, on the screen; 0: 0.5. Cells side by side may then have different
     // segments, and gaps of that size between them.
     double chord_pixels;
-    // Cells go that are certainly behind the base, which is opaque, or behind covering tiles in its place (unless another
-    // selection leaves holes in these); tiles below the base stay. Not with fields, nor over volumes.
+    // Cells go that are certainly behind the base, which is opaque, or behind covering tiles in its place (unless
+    // another selection leaves holes in these); tiles below the base stay. Not with fields, nor over volumes.
     bool hidden;
 } kn_job_view;
 
@@ -108,11 +109,11 @@ typedef enum kn_job_drop {
     KN_DROP_REASONS
 } kn_job_drop;
 
-// The value of a tile's parameter, or of a change that every tile can have, over the base. Control points are taken at
-// the places that they have in the unvaried tile, so that tiles which meet there still do.
+// The value of a tile's parameter, or of a change that every tile can have, over the base. Control points are taken
+// at the places that they have in the unvaried tile, so that tiles which meet there still do.
 typedef struct kn_job_vary {
-    // Of the tile; or "height" (factor), "offset" (added, length units), which every tile has where it has no parameter
-    // of that name.
+    // Of the tile; or "height" (factor), "offset" (added, length units), which every tile has where it has no
+    // parameter of that name.
     const char *parameter;
     kn_field field;
 } kn_job_vary;
@@ -173,7 +174,8 @@ typedef struct kn_job_options {
     const kn_job_color *color; // ncolor of them
     int nvary, ncolor;
     kn_job_random random;
-    // Heights fall off to nothing over this distance from open ends of the base and borders of the mask, length units.
+    // Heights fall off to nothing over this distance from open ends of the base and borders of the mask, length
+    // units.
     double taper;
     kn_job_crossing crossing;
     double crossing_tol; // length units; 0: 1e-3 of a cell
@@ -205,8 +207,8 @@ typedef struct kn_job_report {
     int even_instead;                // parts, of nparts, that kept even lines and S with KN_CELLS_FREE
     double stretch_error;            // relative, of the heights that follow the stretch (kn_cells_stretch)
     // Bound of |patch - T(D)|, and of the gap between trimmed pieces, where tile patches cross knot lines
-    // (options.crossing), and from trimmed edges to ends that clip, length units, rounding included; 0: none does. Patches that are approximated side by side
-    // may be of different degrees: their gap is at most twice that.
+    // (options.crossing), and from trimmed edges to ends that clip, length units, rounding included; 0: none does.
+    // Patches that are approximated side by side may be of different degrees: their gap is at most twice that.
     double crossing_error;
     // The most that one patch's trim has: curves, and their spans (those of a degree above 1 count 8 times).
     size_t trim_curves, trim_spans;
@@ -226,7 +228,8 @@ typedef struct kn_patch_id {
 typedef struct kn_patch {
     kn_patch_id id;
     int look; // part of the tile that sinks begin with (kn_job_look_tile): by it they choose name and material
-    // One to three variables, 3 components or 4 homogeneous ones; borrowed, valid during the call, as all that follows.
+    // One to three variables, 3 components or 4 homogeneous ones; borrowed, valid during the call, as all that
+    // follows.
     kn_bezier bezier;
     const kn_trim *trim; // of a surface: what there is of it, in its [0,1]^2; NULL: all
     const kn_mesh *mesh; // not NULL: a mapped part of a mesh; bezier is then empty
@@ -270,8 +273,9 @@ typedef struct kn_sink {
     void (*close)(kn_ctx *ctx, void *user);
     size_t (*bytes)(const void *user); // written so far; NULL: nothing to count
     // For jobs that can be interrupted (kn_job_run_from); NULL: not with this sink. save, between two commits: *data
-    // = the state as *bytes bytes from the context's allocator; what was written so far then stays when the sink is closed before its
-    // end. restore, in place of begin, on a new sink of the same kind and path: as it was when that was saved.
+    // = the state as *bytes bytes from the context's allocator; what was written so far then stays when the sink is
+    // closed before its end. restore, in place of begin, on a new sink of the same kind and path: as it was when that
+    // was saved.
     kn_status (*save)(kn_ctx *ctx, void *user, unsigned char **data, size_t *bytes);
     kn_status (*restore)(kn_ctx *ctx, void *user, const kn_tile *tile, const kn_job_report *report,
                          const unsigned char *data, size_t bytes);
@@ -293,11 +297,11 @@ typedef struct kn_job kn_job;
 //
 // out:    *out, ended by kn_job_destroy.
 // fails:  as kn_shell_create, kn_spline_check and kn_tile_check; KN_EDOMAIN options negative or not finite, colours
-//         (kn_job_color) of no part, field or palette, fewer cells than knot spans, a max_degree that leaves no room for the normal (the message says what is needed), a
-//         tile patch that crosses a knot line of a surface and not along a parameter line of its own;
-//         KN_ELIMIT counts, cells, max_degree, a tile that reaches more than 256 cells beyond its own;
-//         KN_EUNDECIDED no normal within normal_tol after ten bisections each way; KN_ECANCELLED, KN_ENOMEM. *out
-//         unchanged.
+//         (kn_job_color) of no part, field or palette, fewer cells than knot spans, a max_degree that leaves no room
+//         for the normal (the message says what is needed), a tile patch that crosses a knot line of a surface and
+//         not along a parameter line of its own; KN_ELIMIT counts, cells, max_degree, a tile that reaches more than
+//         256 cells beyond its own; KN_EUNDECIDED no normal within normal_tol after ten bisections each way;
+//         KN_ECANCELLED, KN_ENOMEM. *out unchanged.
 KN_API KN_CHECKED kn_status kn_job_create(kn_ctx *ctx, kn_job **out, const kn_spline *surfaces, int nsurfaces,
                                           const kn_tile *tile, const kn_job_options *options);
 KN_API void kn_job_destroy(kn_ctx *ctx, kn_job *job);
@@ -365,7 +369,8 @@ KN_API kn_job_report kn_job_describe_layers(const kn_job *const *jobs, int njobs
 // How a run is noted so that it can go on after an interruption (io.h: kn_run_with_journal does it with a file).
 typedef struct kn_job_notes {
     void *user;
-    // Called before the first commit and between two: the run as bytes, from which kn_job_run_from goes on. NULL: never.
+    // Called before the first commit and between two: the run as bytes, from which kn_job_run_from goes on. NULL:
+    // never.
     kn_status (*note)(kn_ctx *ctx, void *user, const unsigned char *state, size_t bytes);
     double seconds;             // from one to the next; 0: 5; negative: after every block
     const unsigned char *state; // where to go on: what note was given; NULL: from the beginning

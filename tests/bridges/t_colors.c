@@ -61,7 +61,7 @@ static void find_in_step(kn_ctx *ctx, const char *path)
     }
     for (int i = 0; i < report.faces; i++) { // s0 cI,J NAME.STEP PATCH: the column is in the name, and so is its step
         char name[128];
-        int column, row, step;
+        int column = -1, row = -1, step = -1;
         assert_int_equal(kn_occt_face_name(ctx, name, sizeof name, model, i), KN_OK);
         const char *dot = strrchr(name, '.');
         assert_true(dot && sscanf(name, "s0 c%d,%d", &column, &row) == 2 && sscanf(dot, ".%d ", &step) == 1);

@@ -154,6 +154,14 @@ static void cells_are_reported(void **state)
     assert_true(fabs(most[0] - 3.5) < 1e-4); // six digits are printed
     assert_true(fabs(most[1] - 1) < 1e-4);
     assert_int_equal(run("apply '%s' --tile bump --dry-run --spacing evn", base), 2);
+    // Heights that follow the stretch change from cell to cell: a tile over a line between cells crosses knots there.
+    static const char *const ways[] = {"trim", "approximate", "refuse"};
+    for (int k = 0; k < 3; k++)
+        assert_int_equal(run("apply '%s' --tile fish --count 3,2 --shift 0.3 --stretch --max-degree 40 --dry-run -q "
+                             "--crossing %s",
+                             base, ways[k]),
+                         k < 2 ? 0 : 3);
+    assert_non_null(strstr(complained, "--crossing trim"));
 }
 
 static void the_same_in_a_recipe(void **state)

@@ -255,6 +255,30 @@ static void as_apply_places_and_chooses(void **state)
     assert_int_equal(run("check '%s' --height -0.1 --stagger 0.5", path), 2);
 }
 
+// What no cell line cuts along a parameter line of its own lies in several cells: from the wide end of the cone, where it
+// fits, to the narrow one, where it does not.
+static void one_tile_over_many_cells(void **state)
+{
+    (void)state;
+    test_memory memory = TEST_MEMORY_INIT;
+    kn_ctx *ctx = test_ctx(&memory, 1);
+    kn_spline s = {0};
+    char path[PATH_BYTES], tile[PATH_BYTES];
+    assert_int_equal(kn_construct_cone(ctx, &s, origin, (const double[3]){0, 0, 3}, 2, 0.4), KN_OK);
+    test_tmp_path(path, "cone.g2");
+    test_tmp_path(tile, "long.g2");
+    write_g2(path, &s);
+    write_text(tile, "200 1 0 0\n3 0\n2 2\n0 0 1 1\n2 2\n0 0 1 1\n0.1 0.1 0\n0.5 0.3 1\n0.5 3.7 0\n0.9 3.9 1\n");
+    kn_spline_clear(ctx, &s);
+    test_ctx_end(ctx, &memory);
+    assert_int_equal(
+        run("check '%s' --tile '%s' --count 8,4 --normal-tol 1e-2 --height -0.6 --range 0,1 --json", path, tile), 4);
+    json_t *r = printed_json();
+    assert_int_equal(number(r, "cells"), 4);
+    assert_true(number(r, "folding_cells") > 0);
+    json_decref(r);
+}
+
 // The thorn's sheet has no height of its own: with an offset, on both sides and in volumes it is a region all the same.
 static void flat_patches(void **state)
 {
@@ -539,6 +563,7 @@ int main(void)
         cmocka_unit_test(tiles_that_are_no_surfaces),
         cmocka_unit_test(local_heights_with_a_tile),
         cmocka_unit_test(as_apply_places_and_chooses),
+        cmocka_unit_test(one_tile_over_many_cells),
         cmocka_unit_test(flat_patches),
         cmocka_unit_test(advice),
         cmocka_unit_test(a_recipe),

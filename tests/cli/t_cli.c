@@ -70,6 +70,9 @@ static void tiles_as_json(void **state)
             found |= strcmp(json_string_value(json_object_get(json_array_get(tiles, i), "name")), names[n]) == 0;
         assert_true(found);
     }
+    const json_t *bend = json_array_get(json_object_get(json_array_get(tiles, 2), "parameters"), 0); // of thorn
+    assert_string_equal(json_string_value(json_object_get(bend, "name")), "bend");
+    assert_true(json_number_value(json_array_get(json_object_get(bend, "range"), 1)) == 1.0);
     json_decref(tiles);
 }
 

@@ -139,6 +139,14 @@ static void assert_same_file(const char *a, const char *b)
     fclose(x), fclose(y);
 }
 
+static void assert_same_files(const paths *a, const paths *b)
+{
+    assert_same_file(a->step, b->step);
+    assert_same_file(a->stl, b->stl);
+    assert_same_file(a->obj, b->obj);
+    assert_same_file(a->mtl, b->mtl);
+}
+
 // After 1, 2, .. blocks of every run, with one thread and two in turn.
 static void the_same_bytes(void **state)
 {
@@ -166,10 +174,7 @@ static void the_same_bytes(void **state)
     // each run but the last does one block, and stops in the next
     assert_int_equal(all, 2 * (blocks - 1) + 1);
     assert_int_equal(counted, again);
-    assert_same_file(whole.step, parts.step);
-    assert_same_file(whole.stl, parts.stl);
-    assert_same_file(whole.obj, parts.obj);
-    assert_same_file(whole.mtl, parts.mtl);
+    assert_same_files(&whole, &parts);
     remove_paths(&whole), remove_paths(&parts);
     kn_job_destroy(ctx, job);
     test_ctx_end(ctx, &memory);
@@ -207,10 +212,7 @@ static void layers_too(void **state)
         assert_true((size_t)k <= blocks);
     }
     assert_int_equal(counted, again);
-    assert_same_file(whole.step, parts.step);
-    assert_same_file(whole.stl, parts.stl);
-    assert_same_file(whole.obj, parts.obj);
-    assert_same_file(whole.mtl, parts.mtl);
+    assert_same_files(&whole, &parts);
     remove_paths(&whole), remove_paths(&parts);
     kn_job_destroy(ctx, low), kn_job_destroy(ctx, high), kn_job_destroy(ctx, odd);
     test_ctx_end(ctx, &memory);

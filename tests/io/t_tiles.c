@@ -113,8 +113,8 @@ static bool on_the_base(const edge *e)
     return on;
 }
 
-// Every edge that is not a point has exactly one mate, of the same part unless both are one sheet, which runs the other
-// way; but what stands on the base may be open there.
+// Every edge that is not a point has exactly one mate, of the same part unless both are one sheet, which runs the
+// other way; but what stands on the base may be open there.
 static int join(edge *edges, const loaded *l, int *ncollapsed, int *nfree)
 {
     int n = 0;
@@ -287,7 +287,8 @@ static int vertices_on_the_torus(const edge *edges, int n)
 }
 
 // Each edge has one mate (join), the pieces hang together as they should, and the Euler characteristic on the torus
-// of one cell is that of tori: a sheet over the whole plane, rings or strands; or of discs, which stand on the base. A pinched vertex or a hole would change it.
+// of one cell is that of tori: a sheet over the whole plane, rings or strands; or of discs, which stand on the base.
+// A pinched vertex or a hole would change it.
 static void the_tiling_has_no_open_edge(void **state)
 {
     (void)state;
@@ -330,8 +331,8 @@ static void integrate(kn_ctx *ctx, const kn_bezier *patch, double *area, double 
 }
 
 // A sheet covers the cell once, seen from above and counting folds with their sign; closed solids have no shadow with
-// sign, and what is open at the base has the shadow of its foot. The volume is positive only if they face outwards. At
-// most 96 * 9 terms of size at most 1.
+// sign, and what is open at the base has the shadow of its foot. The volume is positive only if they face outwards.
+// At most 96 * 9 terms of size at most 1.
 static void sheets_cover_and_solids_face_outwards(void **state)
 {
     (void)state;
@@ -359,8 +360,8 @@ static void sheets_cover_and_solids_face_outwards(void **state)
     test_ctx_end(ctx, &memory);
 }
 
-// The same of the library itself, which proves it from the control points: copies join, smoothly where they are meant to,
-// and a covering tile covers, a casual one does not.
+// The same of the library itself, which proves it from the control points: copies join, smoothly where they are meant
+// to, and a covering tile covers, a casual one does not.
 static void tiles_are_periodic_and_cover_as_claimed(void **state)
 {
     (void)state;
@@ -417,8 +418,8 @@ static double crease(kn_ctx *ctx, const loaded *l, const edge *a, const edge *b)
     return most;
 }
 
-// Control points are exact and C1 joints too (G1 with one factor along the joint), so that where a joint is smooth the
-// normals differ by rounding alone, some DBL_EPSILON over the size of a patch; elsewhere they differ visibly.
+// Control points are exact and C1 joints too (G1 with one factor along the joint), so that where a joint is smooth
+// the normals differ by rounding alone, some DBL_EPSILON over the size of a patch; elsewhere they differ visibly.
 static const double SMOOTH = 1e-12, SHARP = 0.1;
 
 // Of all joints: how many are smooth and are meant to be, or may be; the others are seen.

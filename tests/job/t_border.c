@@ -149,21 +149,6 @@ static double clipped_area(const double (*polygon)[2], int n, double size)
     return fabs(area);
 }
 
-// Shoelace of a trim's curves, which are of degree 1 here; all of the square where there is none.
-static double trim_area(const kn_trim *trim)
-{
-    double area = 0.0;
-    if (trim->nloops == 0) return 1.0;
-    for (int i = 0; i < trim->ncurves; i++) {
-        const kn_spline *c = &trim->curves[i];
-        int n = c->count[0];
-        assert_int_equal(c->degree[0], 1);
-        for (int k = 0; k + 1 < n; k++)
-            area += 0.5 * (c->coef[k] * c->coef[n + k + 1] - c->coef[k + 1] * c->coef[n + k]);
-    }
-    return area;
-}
-
 static double apart(const double *p, const double *q)
 {
     return sqrt((p[0] - q[0]) * (p[0] - q[0]) + (p[1] - q[1]) * (p[1] - q[1]) + (p[2] - q[2]) * (p[2] - q[2]));
@@ -286,7 +271,7 @@ static void surfaces(void **state)
             for (int c = 0; c < 2; c++) // of the part of the sheet: sides as d has them
                 size[c] = hypot(d.coef[c == 0 ? 2 : 1] - d.coef[0], d.coef[4 + (c == 0 ? 2 : 1)] - d.coef[4]) /
                           hypot(side[c][0], side[c][1]);
-            area += trim_area(&s->list[i].trim) * size[0] * size[1] *
+            area += scene_trim_area(&s->list[i].trim) * size[0] * size[1] *
                     fabs(side[0][0] * side[1][1] - side[0][1] * side[1][0]);
             kn_bezier_clear(s->ctx, &d);
         }
@@ -497,25 +482,18 @@ static void beyond_a_foot(void **state)
 
 // ---- failures ----
 
+static void clipped(kn_ctx *safe, kn_spline *base, kn_tile *tile)
+{
+    make_flat(safe, base, 1.0);
+    make_octahedron(safe, tile);
+    make_sheet(safe, tile);
+}
+
 static kn_status clips(kn_ctx *ctx, void *user)
 {
     (void)user;
-    kn_job *job = NULL;
-    kn_spline base = {0};
-    kn_tile tile = {0};
-    test_memory memory = TEST_MEMORY_INIT;
-    kn_ctx *safe = test_ctx(&memory, 1);
-    make_flat(safe, &base, 1.0);
-    make_octahedron(safe, &tile);
-    make_sheet(safe, &tile);
     kn_job_options o = {.count = {1, 1}, .height = 0.5, .placement = {.border = {KN_BORDER_CLIP, KN_BORDER_CLIP}}};
-    kn_status status = kn_job_create(ctx, &job, &base, 1, &tile, &o);
-    assert_true((status == KN_OK) == (job != NULL));
-    kn_job_destroy(ctx, job);
-    kn_tile_clear(safe, &tile);
-    kn_spline_clear(safe, &base);
-    test_ctx_end(safe, &memory);
-    return status;
+    return scene_try_job(ctx, clipped, &o);
 }
 
 static void allocation(void **state)

@@ -267,6 +267,28 @@ static void what_does_not_meet_is_refused(void **state)
     }
 }
 
+// Nor does it matter how tiles would meet at the seam of a surface that has none.
+static void seams_of_what_is_not_selected(void **state)
+{
+    (void)state;
+    scene s;
+    kn_spline flat = {0};
+    begin(&s, 1);
+    make_torus(s.ctx, &s.base);
+    make_flat(s.ctx, &flat, 2, 2);
+    scene_dome(s.ctx, &s.tile);
+    s.tile.covering = true;
+    const kn_spline bases[2] = {s.base, flat}; // borrowed
+    const int selected[1] = {1};
+    kn_job_options o = {.count = {4, 5}, .height = 0.2, .normal_tol = 1e-2, .placement = {.stagger = {0.5}}};
+    assert_int_equal(kn_job_create(s.ctx, &s.job, bases, 2, &s.tile, &o), KN_EDOMAIN);
+    kn_ctx_clear_error(s.ctx);
+    o.select.surfaces = selected, o.select.nsurfaces = 1;
+    assert_int_equal(kn_job_create(s.ctx, &s.job, bases, 2, &s.tile, &o), KN_OK);
+    kn_spline_clear(s.ctx, &flat);
+    end(&s);
+}
+
 // A patch that crosses the end of the base, turned by 30 degrees, has no parameter line there: it is trimmed
 // (t_border.c), where a trim can be as near the end as that.
 static void clips_within_the_tolerance(void **state)
@@ -406,24 +428,17 @@ static void tiles_go_on_over_a_flipped_seam(void **state)
 
 // ---- memory ----
 
+static void ramps(kn_ctx *safe, kn_spline *base, kn_tile *tile)
+{
+    make_flat(safe, base, 2, 2);
+    make_ramp(safe, tile);
+}
+
 static kn_status staggers(kn_ctx *ctx, void *user)
 {
     (void)user;
-    kn_spline base = {0};
-    kn_tile tile = {0};
-    kn_job *job = NULL;
-    test_memory memory = TEST_MEMORY_INIT;
-    kn_ctx *safe = test_ctx(&memory, 1);
-    make_flat(safe, &base, 2, 2);
-    make_ramp(safe, &tile);
     kn_job_options o = {.count = {2, 2}, .height = 0.5, .placement = {.stagger = {0.5}, .mirror = {true}}};
-    kn_status status = kn_job_create(ctx, &job, &base, 1, &tile, &o);
-    assert_true((status == KN_OK) == (job != NULL));
-    kn_job_destroy(ctx, job);
-    kn_tile_clear(safe, &tile);
-    kn_spline_clear(safe, &base);
-    test_ctx_end(safe, &memory);
-    return status;
+    return scene_try_job(ctx, ramps, &o);
 }
 
 static void allocation(void **state)
@@ -434,10 +449,14 @@ static void allocation(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(lattices_lie_where_they_should),  cmocka_unit_test(tilings_close_round_a_torus),
-        cmocka_unit_test(what_does_not_meet_is_refused),   cmocka_unit_test(clips_within_the_tolerance),
-        cmocka_unit_test(any_angle_for_casual_tiles),      cmocka_unit_test(moebius_strips),
-        cmocka_unit_test(tiles_go_on_over_a_flipped_seam), cmocka_unit_test(allocation)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(lattices_lie_where_they_should),
+                                       cmocka_unit_test(tilings_close_round_a_torus),
+                                       cmocka_unit_test(what_does_not_meet_is_refused),
+                                       cmocka_unit_test(seams_of_what_is_not_selected),
+                                       cmocka_unit_test(clips_within_the_tolerance),
+                                       cmocka_unit_test(any_angle_for_casual_tiles),
+                                       cmocka_unit_test(moebius_strips),
+                                       cmocka_unit_test(tiles_go_on_over_a_flipped_seam),
+                                       cmocka_unit_test(allocation)};
     return cmocka_run_group_tests_name("job/placement", tests, NULL, NULL);
 }

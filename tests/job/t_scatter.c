@@ -147,23 +147,17 @@ static void too_many_are_refused(void **state)
     test_ctx_end(ctx, &memory);
 }
 
+static void specks(kn_ctx *safe, kn_spline *base, kn_tile *tile)
+{
+    scene_bicubic(safe, base, 0.1);
+    make_speck(safe, tile);
+}
+
 static kn_status scatters(kn_ctx *ctx, void *user)
 {
     (void)user;
-    test_memory memory = TEST_MEMORY_INIT;
-    kn_ctx *safe = test_ctx(&memory, 1);
-    kn_spline base = {0};
-    kn_tile tile = {0};
-    kn_job *job = NULL;
-    scene_bicubic(safe, &base, 0.1);
-    make_speck(safe, &tile);
     kn_job_options o = {.count = {1, 1}, .normal_tol = 1e-2, .placement = {.scatter = {.distance = 3}}};
-    kn_status status = kn_job_create(ctx, &job, &base, 1, &tile, &o);
-    kn_job_destroy(ctx, job);
-    kn_tile_clear(safe, &tile);
-    kn_spline_clear(safe, &base);
-    test_ctx_end(safe, &memory);
-    return status;
+    return scene_try_job(ctx, specks, &o);
 }
 
 static void allocation(void **state)

@@ -135,6 +135,14 @@ static bool in_ranges(const kn_cell_range *list, size_t n, size_t cell)
     return false;
 }
 
+// Of the cell but one behind its own, and of the one behind that: no parameter line of it is a line of cells.
+static void make_far(kn_ctx *ctx, kn_tile *out)
+{
+    static const double coef[12] = {1.4, 1.9, 2.4, 2.9, 0.2, 0.9, 0.1, 0.8, 0.2, 0.5, 0.7, 1};
+    assert_int_equal(kn_tile_init(ctx, out, "far", 1), KN_OK);
+    scene_add_patch(ctx, out, 1, 1, coef);
+}
+
 static void slabs_miss_no_cell(void **state)
 {
     (void)state;
@@ -148,7 +156,8 @@ static void slabs_miss_no_cell(void **state)
                  {make_torus, scene_plate, {.stagger = {0.5}}, false},
                  {make_torus, scene_plate, {.shift = {0.0}}, true},
                  {make_wavy, scene_strip, {.shift = {0.0}}, false},
-                 {make_wavy, scene_plate, {.scatter = {.distance = 0.4}}, false}};
+                 {make_wavy, scene_plate, {.scatter = {.distance = 0.4}}, false},
+                 {make_wavy, make_far, {.border = {KN_BORDER_CLIP, KN_BORDER_CLIP}}, false}};
     for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
         scene s;
         scene_result r;

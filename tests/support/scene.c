@@ -263,3 +263,34 @@ long double scene_parameter(const kn_job *job, int surface, int var, long double
     i = i < 0 ? 0 : i > n - 1 ? n - 1 : i;
     return line[i] + (cells - i) * ((long double)line[i + 1] - line[i]);
 }
+
+kn_status scene_try_job(kn_ctx *ctx, scene_make make, const kn_job_options *options)
+{
+    kn_spline base = {0};
+    kn_tile tile = {0};
+    kn_job *job = NULL;
+    test_memory memory = TEST_MEMORY_INIT;
+    kn_ctx *safe = test_ctx(&memory, 1);
+    make(safe, &base, &tile);
+    kn_status status = kn_job_create(ctx, &job, &base, 1, &tile, options);
+    assert_true((status == KN_OK) == (job != NULL));
+    kn_job_destroy(ctx, job);
+    kn_tile_clear(safe, &tile);
+    kn_spline_clear(safe, &base);
+    test_ctx_end(safe, &memory);
+    return status;
+}
+
+double scene_trim_area(const kn_trim *trim)
+{
+    double area = 0.0;
+    if (trim->nloops == 0) return 1.0;
+    for (int i = 0; i < trim->ncurves; i++) {
+        const kn_spline *c = &trim->curves[i];
+        int n = c->count[0];
+        assert_int_equal(c->degree[0], 1);
+        for (int k = 0; k + 1 < n; k++)
+            area += 0.5 * (c->coef[k] * c->coef[n + k + 1] - c->coef[k + 1] * c->coef[n + k]);
+    }
+    return area;
+}

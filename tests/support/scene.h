@@ -45,4 +45,12 @@ void scene_run(kn_ctx *ctx, const kn_job *job, scene_result *r);
 // closed; beyond open ends the last cell goes on.
 long double scene_parameter(const kn_job *job, int surface, int var, long double cells);
 
+// ---- allocations that fail ----
+// A job over what `make` makes, created in ctx and destroyed again; base and tile live in a context of their own.
+typedef void (*scene_make)(kn_ctx *safe, kn_spline *base, kn_tile *tile);
+kn_status scene_try_job(kn_ctx *ctx, scene_make make, const kn_job_options *options);
+
+// Shoelace of a trim's curves, which are of degree 1; all of the square where there is none.
+double scene_trim_area(const kn_trim *trim);
+
 #endif

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Cuts of regions: against the sign of f at random points, areas, and the pieces' own shapes.
+#include "tests/support/scene.h"
 #include "tests/support/support.h"
 
 #include <knurl/trim.h>
@@ -17,21 +18,6 @@ static double value_of(kn_ctx *ctx, const kn_bezier *f, const double at[2])
     double value;
     assert_int_equal(kn_bezier_eval(ctx, &value, f, at), KN_OK);
     return value;
-}
-
-// Shoelace of polylines: all curves here are of degree 1.
-static double area_of(const kn_trim *trim)
-{
-    double area = 0.0;
-    if (trim->nloops == 0) return 1.0;
-    for (int i = 0; i < trim->ncurves; i++) {
-        const kn_spline *c = &trim->curves[i];
-        int n = c->count[0];
-        assert_int_equal(c->degree[0], 1);
-        for (int k = 0; k + 1 < n; k++)
-            area += 0.5 * (c->coef[k] * c->coef[n + k + 1] - c->coef[k + 1] * c->coef[n + k]);
-    }
-    return area;
 }
 
 // Every curve inside the square of one side is a curve of the other side run backwards, bit for bit.
@@ -112,12 +98,12 @@ static void random_cuts(void **state)
                 assert_region(ctx, &part[2 * k + i], here, both, sign, 2, near, &rng);
                 if (!here) continue;
                 assert_int_equal(kn_trim_check(ctx, &part[2 * k + i]), KN_OK);
-                area += area_of(&part[2 * k + i]);
+                area += scene_trim_area(&part[2 * k + i]);
             }
-            assert_true(fabs(area - area_of(&side[k])) < 1e-12); // they share their curves
+            assert_true(fabs(area - scene_trim_area(&side[k])) < 1e-12); // they share their curves
         }
         if (first.below && first.above) {
-            assert_true(fabs(area_of(&side[0]) + area_of(&side[1]) - 1.0) < 1e-12);
+            assert_true(fabs(scene_trim_area(&side[0]) + scene_trim_area(&side[1]) - 1.0) < 1e-12);
             int n = 0;
             assert_shared(&side[0], &side[1], &n);
             assert_true(n > 0);
@@ -151,7 +137,7 @@ static void restricted(void **state)
     for (int k = 0; k < 9; k++) f.coef[k] = square[k / 3] + square[k % 3] - 0.16;
     assert_int_equal(kn_trim_cut(ctx, &in, &out, &report, &whole, &f, 1e-4), KN_OK);
     assert_true(report.below && report.above && in.nloops == 1 && out.nloops == 2);
-    assert_true(fabs(area_of(&in) - 3.14159265358979 * 0.16) < 1e-4 * 2.6); // tol times the circumference
+    assert_true(fabs(scene_trim_area(&in) - 3.14159265358979 * 0.16) < 1e-4 * 2.6); // tol times the circumference
     for (int n = 1; n <= 4; n++) {
         double sum = 0.0;
         for (int i = 0; i < n; i++)
@@ -160,15 +146,15 @@ static void restricted(void **state)
                 assert_int_equal(kn_trim_restrict(ctx, &part, &any, &out, lo, hi), KN_OK);
                 if (!any) continue;
                 assert_int_equal(kn_trim_check(ctx, &part), KN_OK);
-                sum += area_of(&part) / (n * n);
+                sum += scene_trim_area(&part) / (n * n);
             }
-        assert_true(fabs(sum - area_of(&out)) < 1e-8); // snapping to sides: 1e-9 times their lengths
+        assert_true(fabs(sum - scene_trim_area(&out)) < 1e-8); // snapping to sides: 1e-9 times their lengths
     }
     // the middle is empty, and a corner is all there
     assert_int_equal(kn_trim_restrict(ctx, &part, &any, &out, (double[]){0.4, 0.4}, (double[]){0.6, 0.6}), KN_OK);
     assert_true(!any && part.nloops == 0);
     assert_int_equal(kn_trim_restrict(ctx, &part, &any, &out, (double[]){0, 0}, (double[]){0.1, 0.1}), KN_OK);
-    assert_true(any && fabs(area_of(&part) - 1.0) < 1e-12);
+    assert_true(any && fabs(scene_trim_area(&part) - 1.0) < 1e-12);
     assert_int_equal(kn_trim_restrict(ctx, &part, &any, &whole, (double[]){0, 0}, (double[]){0.1, 0.1}), KN_OK);
     assert_true(any && part.nloops == 0);
     assert_int_equal(kn_trim_restrict(ctx, &part, &any, &out, (double[]){0.5, 0}, (double[]){0.5, 1}), KN_EDOMAIN);
@@ -236,7 +222,7 @@ static void borders(void **state)
     assert_true(report.above && !report.below && a.nloops == 0 && b.nloops == 0);
     f.coef = diagonal;
     assert_int_equal(kn_trim_cut(ctx, &a, &b, &report, &whole, &f, tol), KN_OK);
-    assert_true(report.above && report.below && area_of(&a) == 0.5 && area_of(&b) == 0.5);
+    assert_true(report.above && report.below && scene_trim_area(&a) == 0.5 && scene_trim_area(&b) == 0.5);
     f.coef = corner;
     assert_int_equal(kn_trim_cut(ctx, &a, &b, &report, &whole, &f, tol), KN_OK);
     assert_true(report.above && !report.below);

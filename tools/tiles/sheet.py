@@ -3,8 +3,8 @@
 """Draws the built-in tiles: python3 tools/tiles/sheet.py KNURL DATA WORK OUT [TILE...]
 
 Each tile is laid in rows of cells on the same gently curved square and drawn by `knurl render`: its middle is
-OUT/tiles/<tile>.png; OUT/tiles.png shows all of them with their names. Needs rsvg-convert. What stands on a surface
-gets one below it. With names behind them, only those tiles are drawn anew.
+OUT/tiles/<tile>.png; OUT/tiles.png shows all of them with their names. Needs rsvg-convert and ffmpeg. What stands on a surface
+gets one below it. With names behind them, only those tiles are drawn anew, the others are on the sheet as they were.
 """
 import base64
 import json
@@ -63,14 +63,18 @@ def draw(knurl, data, work, tile):
                     "--azimuth", "-25", "--elevation", "48", "-q", "-o", picture], check=True)
 
 
-def image(path, x, y, box, width, height):
-    """The part of a picture of PIXELS within box, as an SVG element of this size."""
+def image(path, x, y, size):
+    """A picture as an SVG element at (x,y), drawn with this size."""
     with open(path, "rb") as file:
         data = base64.b64encode(file.read()).decode("ascii")
-    left, top, right, bottom = box[0] * PIXELS[0], box[1] * PIXELS[1], box[2] * PIXELS[0], box[3] * PIXELS[1]
-    return ('<svg x="%g" y="%g" width="%g" height="%g" viewBox="%g %g %g %g" preserveAspectRatio="xMidYMid slice">'
-            '<image width="%d" height="%d" href="data:image/png;base64,%s"/></svg>'
-            % (x, y, width, height, left, top, right - left, bottom - top, *PIXELS, data))
+    return '<image x="%g" y="%g" width="%d" height="%d" href="data:image/png;base64,%s"/>' % (x, y, *size, data)
+
+
+def middle(path):
+    """What CROP leaves of a picture of PIXELS, as an SVG element of the size THUMB."""
+    left, top, right, bottom = CROP[0] * PIXELS[0], CROP[1] * PIXELS[1], CROP[2] * PIXELS[0], CROP[3] * PIXELS[1]
+    return ('<svg width="%g" height="%g" viewBox="%g %g %g %g" preserveAspectRatio="xMidYMid slice">%s</svg>'
+            % (*THUMB, left, top, right - left, bottom - top, image(path, 0, 0, PIXELS)))
 
 
 def svg(work, name, width, height, body):
@@ -84,6 +88,15 @@ def convert(path, out):
     subprocess.run(["rsvg-convert", "--unlimited", path, "-o", out], check=True)
 
 
+def pack(path, width):
+    """To this width and 255 colours: a sixth of the bytes."""
+    work = path + ".tmp.png"
+    subprocess.run(["ffmpeg", "-v", "error", "-y", "-i", path, "-vf",
+                    "scale=%d:-1:flags=area,split[a][b];[a]palettegen=max_colors=255[p];"
+                    "[b][p]paletteuse=dither=sierra2_4a" % width, work], check=True)
+    os.replace(work, path)
+
+
 def main(knurl, data, work, out, *names):
     load()
     os.makedirs(work, exist_ok=True)
@@ -92,18 +105,17 @@ def main(knurl, data, work, out, *names):
     write(os.path.join(work, "skin.g2"), SHEET)
     body, rows = [], -(-len(TILES) // COLUMNS)
     for k, tile in enumerate(TILES):
-        picture = os.path.join(work, tile.name + ".png")
+        thumb = os.path.join(out, "tiles", tile.name + ".png")
         if not names or tile.name in names:
             draw(knurl, data, work, tile)
-            convert(svg(work, "thumb-%s.svg" % tile.name, *THUMB, image(picture, 0, 0, CROP, *THUMB)),
-                    os.path.join(out, "tiles", tile.name + ".png"))
+            convert(svg(work, "thumb-%s.svg" % tile.name, *THUMB, middle(os.path.join(work, tile.name + ".png"))), thumb)
         x, y = GAP + k % COLUMNS * (THUMB[0] + GAP), GAP + k // COLUMNS * (THUMB[1] + LABEL)
-        if os.path.exists(picture):
-            body.append(image(picture, x, y, CROP, *THUMB))
+        body.append(image(thumb, x, y, THUMB))
         body.append('<text x="%g" y="%g" font-family="DejaVu Sans" font-size="17" text-anchor="middle" fill="#333">%s</text>'
                     % (x + THUMB[0] / 2, y + THUMB[1] + 22, tile.name))
     size = GAP + COLUMNS * (THUMB[0] + GAP), GAP + rows * (THUMB[1] + LABEL)
     convert(svg(work, "tiles.svg", *size, "".join(body)), os.path.join(out, "tiles.png"))
+    pack(os.path.join(out, "tiles.png"), 3 * size[0] // 4)
 
 
 if __name__ == "__main__":
