@@ -8,6 +8,7 @@
 #include "bench/bench.h"
 
 #include <knurl/io.h>
+#include <knurl/step.h>
 
 typedef struct measured {
     double plan, run; // seconds of the processor

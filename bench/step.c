@@ -4,6 +4,7 @@
 #include "kernel/parallel.h"
 
 #include <knurl/io.h>
+#include <knurl/step.h>
 
 enum { FACES = 10000, BLOCK = 64 };
 

@@ -44,10 +44,41 @@ static kn_status add_volume(kn_ctx *ctx, kn_mesh *mesh, const kn_patch *patch)
     return status;
 }
 
+// The pieces of a spline one by one, each with its share of the segments; faces of volumes between two are not outside.
+static kn_status add_spline(kn_ctx *ctx, kn_mesh *mesh, const kn_patch *patch)
+{
+    const kn_spline *s = patch->spline;
+    kn_bezier *pieces = NULL;
+    size_t npieces = 0, nvertices = mesh->nvertices, ntriangles = mesh->ntriangles;
+    kn_status status = kn_spline_to_bezier(ctx, &pieces, &npieces, s);
+    for (size_t i = 0; status == KN_OK && i < npieces; i++) {
+        kn_patch one = *patch;
+        size_t rest = i;
+        one.spline = NULL;
+        one.bezier = pieces[i];
+        for (int d = s->nvars - 1; d >= 0; d--) {
+            size_t spans = (size_t)kn_spline_spans(s, d), at = rest % spans;
+            rest /= spans;
+            one.segments[d] = 1 + (patch->segments[d] - 1) / (int)spans;
+            if (at > 0) one.hidden = (uint8_t)(one.hidden | 1u << (2 * d));
+            if (at + 1 < spans) one.hidden = (uint8_t)(one.hidden | 2u << (2 * d));
+        }
+        status = kn_patch_tessellate(ctx, mesh, &one);
+    }
+    if (status != KN_OK) mesh->nvertices = nvertices, mesh->ntriangles = ntriangles;
+    for (size_t i = 0; i < npieces; i++) kn_bezier_clear(ctx, &pieces[i]);
+    kn_free(ctx, pieces);
+    return status;
+}
+
 kn_status kn_patch_tessellate(kn_ctx *ctx, kn_mesh *mesh, const kn_patch *patch)
 {
     if (patch->mesh) return kn_mesh_append(ctx, mesh, patch->mesh);
-    if (patch->bezier.nvars == 1) return KN_OK;
+    if (kn_patch_nvars(patch) == 1) return KN_OK;
+    if (patch->spline && patch->trim)
+        return kn_fail(ctx, KN_EDOMAIN,
+                       "patch: triangles of a trimmed spline are made of its pieces: split it first");
+    if (patch->spline) return add_spline(ctx, mesh, patch);
     if (patch->bezier.nvars == 3) {
         size_t nvertices = mesh->nvertices, ntriangles = mesh->ntriangles;
         kn_status status = add_volume(ctx, mesh, patch);
@@ -61,7 +92,7 @@ kn_status kn_patch_tessellate(kn_ctx *ctx, kn_mesh *mesh, const kn_patch *patch)
 
 size_t kn_patch_line_points(const kn_patch *patch)
 {
-    return patch->bezier.nvars == 1 && patch->segments[0] > 0 ? (size_t)patch->segments[0] + 1 : 0;
+    return kn_patch_nvars(patch) == 1 && patch->segments[0] > 0 ? (size_t)patch->segments[0] + 1 : 0;
 }
 
 kn_status kn_patch_line(kn_ctx *ctx, double *points, const kn_patch *patch)
@@ -72,7 +103,8 @@ kn_status kn_patch_line(kn_ctx *ctx, double *points, const kn_patch *patch)
     double *at = kn_scratch(ctx, n, sizeof *at);
     kn_status status = at ? KN_OK : KN_ENOMEM;
     for (size_t i = 0; at && i < n; i++) at[i] = (double)i / (double)(n - 1);
-    if (status == KN_OK) status = kn_bezier_eval_batch(ctx, points, &patch->bezier, n, at);
+    if (status == KN_OK && patch->spline) status = kn_spline_eval_batch(ctx, points, patch->spline, n, at);
+    if (status == KN_OK && !patch->spline) status = kn_bezier_eval_batch(ctx, points, &patch->bezier, n, at);
     kn_scratch_release(ctx, mark);
     return status;
 }

@@ -75,23 +75,6 @@ KN_API KN_CHECKED kn_status kn_read_tile(kn_ctx *ctx, kn_tile *out, const char *
 //         KN_EDOMAIN (options; patches that the job's report did not announce). out unchanged.
 // memory: the text of the blocks in flight. The same bytes for any number of threads.
 
-typedef struct kn_step_options {
-    const char *product;   // name in the product structure, UTF-8; NULL: "knurl"
-    double unit_mm;        // millimetres in one length unit; 0: 1
-    double uncertainty_mm; // UNCERTAINTY_MEASURE_WITH_UNIT, the largest gap between neighbouring faces; 0: 1e-3
-    const char
-        *time_stamp; // ISO 8601 for the header; NULL: "1970-01-01T00:00:00", so that equal jobs give equal bytes
-} kn_step_options;
-
-// STEP AP214 in millimetres: one ADVANCED_FACE for each patch, on its own control points, named "s0 c3,4 ring 12":
-// surface, cell, part, patch (".1": piece); edges that are collapsed to a point (within 1e-7 mm or 1e-12 of the
-// coordinates) left out; a shell and a colour for each part of the tile. Rational form only where weights differ.
-// fails: also KN_EUNDEFINED (a control point that is not finite, a weight that is not positive), KN_ELIMIT (more than
-//        2^31 entities).
-// error: coordinates are the shortest decimals that read back as the same doubles; before that, one rounding for the
-//        unit unless it is 1, one for the projection of a rational point.
-KN_API KN_CHECKED kn_status kn_step_sink(kn_ctx *ctx, kn_sink *out, const char *path, const kn_step_options *options);
-
 // Binary STL: single precision, triangles of which two corners then coincide left out. fails: also KN_ELIMIT (2^32
 // triangles), KN_EDOMAIN a coordinate beyond single precision (the message names surface and cell).
 KN_API KN_CHECKED kn_status kn_stl_sink(kn_ctx *ctx, kn_sink *out, const char *path);

@@ -231,6 +231,8 @@ typedef struct kn_patch {
     // One to three variables, 3 components or 4 homogeneous ones; borrowed, valid during the call, as all that
     // follows.
     kn_bezier bezier;
+    // Not NULL: in the place of bezier, which is then empty, a spline over [0,1]^nvars (kn_limit_sink, kn_merge_sink).
+    const kn_spline *spline;
     const kn_trim *trim; // of a surface: what there is of it, in its [0,1]^2; NULL: all
     const kn_mesh *mesh; // not NULL: a mapped part of a mesh; bezier is then empty
     bool reversed;       // outward is -(r x t): the job's height is negative
@@ -240,6 +242,10 @@ typedef struct kn_patch {
 } kn_patch;
 
 // ---- what a patch looks like ----
+KN_API int kn_patch_nvars(const kn_patch *patch); // of bezier or spline; 0: a mesh
+// Its bezier or its spline, as a spline (clamped, over [0,1]^nvars) that borrows all arrays: read it, and neither clear
+// nor change it. Empty for a mesh.
+KN_API kn_spline kn_patch_spline(const kn_patch *patch);
 // Appends triangles: of a surface (kn_mesh_add_patch, kn_mesh_add_trimmed), of the faces of a volume that are not
 // hidden, of a mapped mesh; none of a curve. fails: as those; the mesh holds what it held.
 KN_API KN_CHECKED kn_status kn_patch_tessellate(kn_ctx *ctx, kn_mesh *mesh, const kn_patch *patch);

@@ -20,5 +20,7 @@
 #include <knurl/job.h>
 #include <knurl/slice.h>
 #include <knurl/io.h>
+#include <knurl/cad.h>
+#include <knurl/step.h>
 
 #endif

@@ -7,6 +7,7 @@
 #include "tests/support/scene.h"
 
 #include <knurl/io.h>
+#include <knurl/step.h>
 #include <math.h>
 #include <stdio.h>
 #include <string.h>

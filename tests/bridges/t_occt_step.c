@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // What Open CASCADE finds in the STEP files that the STEP sink writes.
 #include "tests/support/patches.h"
+#include <knurl/step.h>
 
 #if KN_WITH_OCCT
 #include "bridges/occt/occt_check.h"

@@ -4,6 +4,7 @@
 #include "tests/support/support.h"
 
 #include <knurl/io.h>
+#include <knurl/step.h>
 
 #if KN_WITH_OCCT
 #include "bridges/occt/occt_check.h"

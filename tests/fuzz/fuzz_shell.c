@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Fuzzes shells, tiles and jobs over small surfaces, and the sinks that jobs feed.
 #include "tests/fuzz/feed.h"
+#include <knurl/step.h>
 
 #include <knurl/knurl.h>
 

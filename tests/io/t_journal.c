@@ -6,6 +6,7 @@
 #include "kernel/context.h"
 
 #include <knurl/io.h>
+#include <knurl/step.h>
 
 #include <stdio.h>
 #include <stdlib.h>

@@ -4,6 +4,7 @@
 #include "tests/support/support.h"
 
 #include <knurl/io.h>
+#include <knurl/step.h>
 
 #include <stdio.h>
 #include <stdlib.h>

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The output file that appears whole or not at all, and what every writer does when the disk is full.
 #include "tests/support/patches.h"
+#include <knurl/step.h>
 
 #include "io/out_file.h"
 

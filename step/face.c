@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // One patch of a STEP file: its points, its surface, the curves of its edges on the same control points, and by which
 // keys its edges meet others.
-#include "io/step_face.h"
-#include "io/step_write.h"
+#include "step/face.h"
+#include "step/write.h"
 #include "kernel/context.h"
 
 #include <math.h>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The fixed part of a STEP file: header, units, product structure, colours.
-#include "io/step_write.h"
+#include "step/write.h"
 
 #include <math.h>
 

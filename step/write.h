@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Inside io: the pieces of a STEP AP214 file (ISO 10303-21, 10303-214) and its numbering.
+// Inside step: the pieces of a STEP AP214 file (ISO 10303-21, 10303-214) and its numbering.
 //
 // Threads write what belongs to one patch alone, with numbers that count from the patch (kn_text_relative): points,
 // surface, curves of its edges. Then, in the job's order, patch after patch gets its numbers, the edges that it shares
@@ -7,8 +7,8 @@
 //     1 .. 21                    context, units, product, representations
 //     100 + 16 p ..              surface model and colour of look p
 //     KN_STEP_PARTS + 16 nparts  all else, in the order of the file
-#ifndef IO_STEP_WRITE_H
-#define IO_STEP_WRITE_H
+#ifndef STEP_WRITE_H
+#define STEP_WRITE_H
 
 #include <knurl/job.h>
 

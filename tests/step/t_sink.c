@@ -2,6 +2,7 @@
 // The text of STEP files: structure, numbers, strings, limits, equal bytes for any number of threads.
 // What another CAD system makes of them: tests/bridges/t_occt_step.c.
 #include "tests/support/patches.h"
+#include <knurl/step.h>
 
 #include "io/text_buffer.h"
 #include "kernel/parallel.h"
@@ -339,5 +340,5 @@ int main(void)
         cmocka_unit_test(equal_bytes),    cmocka_unit_test(refusals), cmocka_unit_test(strings),
         cmocka_unit_test(without_memory),
     };
-    return cmocka_run_group_tests_name("io/step_sink", tests, NULL, NULL);
+    return cmocka_run_group_tests_name("step/sink", tests, NULL, NULL);
 }

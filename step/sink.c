@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // A sink that writes patches as STEP AP214 while they are composed: solids where faces close, open shells elsewhere.
-#include <knurl/io.h>
+#include <knurl/step.h>
 
 #include "io/out_file.h"
-#include "io/step_join.h"
+#include "step/join.h"
 #include "kernel/context.h"
 
 #include <limits.h>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // One curve of a STEP file on its own control points.
-#include "io/step_face.h"
+#include "step/face.h"
 #include "kernel/context.h"
 
 #include <math.h>

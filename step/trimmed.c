@@ -5,7 +5,7 @@
 // Along an edge of the square the curve in space is the patch's own, restricted. Elsewhere it is a cubic for each
 // segment of the trim (subdivided where it bends), which has the patch's points and derivatives along the trim at the
 // ends: of fourth order, and C0 where the polyline has corners.
-#include "io/step_face.h"
+#include "step/face.h"
 #include "kernel/context.h"
 
 #include <math.h>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Faces of a STEP file with the edges and vertices that they share; bodies that are closed become solids at once.
-#include "io/step_join.h"
+#include "step/join.h"
 
 #include "kernel/context.h"
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// Inside io: what plain and trimmed faces of a STEP file share.
-#ifndef IO_STEP_FACE_H
-#define IO_STEP_FACE_H
+// Inside step: what plain and trimmed faces of a STEP file share.
+#ifndef STEP_FACE_H
+#define STEP_FACE_H
 
-#include "io/step_write.h"
+#include "step/write.h"
 
 // One variable of a surface: distinct knots and how often each occurs.
 typedef struct kn_step_axis {
@@ -32,7 +32,7 @@ void kn_step_put_surface(kn_text *text, const kn_step_net *f); // number n
 void kn_step_put_logical(kn_text *text, bool value);
 void kn_step_put_knots(kn_text *text, const kn_step_axis *x, bool times); // "(..)": multiplicities, or the knots
 
-// ---- step_trimmed.c ----
+// ---- trimmed.c ----
 kn_status kn_step_put_trimmed(kn_text *text, kn_step_item *item, const kn_patch *patch, const char *part, double mm);
 
 #endif

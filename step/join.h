@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// Inside io: what threads wrote of the patches of a STEP file, put together in the job's order.
-#ifndef IO_STEP_JOIN_H
-#define IO_STEP_JOIN_H
+// Inside step: what threads wrote of the patches of a STEP file, put together in the job's order.
+#ifndef STEP_JOIN_H
+#define STEP_JOIN_H
 
-#include "io/step_write.h"
+#include "step/write.h"
 
 typedef struct kn_step_look {
     char name[KN_NAME_BYTES];
