@@ -210,6 +210,11 @@ typedef struct kn_job_report {
     // (options.crossing), and from trimmed edges to ends that clip, length units, rounding included; 0: none does.
     // Patches that are approximated side by side may be of different degrees: their gap is at most twice that.
     double crossing_error;
+    // Told to sinks behind a kn_limit_sink: patches above fit_degree in a variable come as splines, each within
+    // fit_tolerance (length units, certified) of what was composed; degree and control_points are then what may come,
+    // the latter an estimate. 0: patches come as they are composed.
+    int fit_degree;
+    double fit_tolerance;
     // The most that one patch's trim has: curves, and their spans (those of a degree above 1 count 8 times).
     size_t trim_curves, trim_spans;
 } kn_job_report;
@@ -233,6 +238,10 @@ typedef struct kn_patch {
     kn_bezier bezier;
     // Not NULL: in the place of bezier, which is then empty, a spline over [0,1]^nvars (kn_limit_sink, kn_merge_sink).
     const kn_spline *spline;
+    // Of a limited surface: its edges r = 0, r = 1, t = 0, t = 1, four splines of one variable, each fitted by itself, so
+    // that both faces of an edge have the same one, bit for bit up to its direction; they are the ends of spline, which
+    // may have more knots. NULL: the ends of spline or bezier themselves.
+    const kn_spline *edge;
     const kn_trim *trim; // of a surface: what there is of it, in its [0,1]^2; NULL: all
     const kn_mesh *mesh; // not NULL: a mapped part of a mesh; bezier is then empty
     bool reversed;       // outward is -(r x t): the job's height is negative
