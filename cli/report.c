@@ -67,9 +67,10 @@ static json_t *file_bytes(const cli_apply *a, const double *bytes)
 }
 
 static const char *const reasons[KN_DROP_REASONS] = {
-    [KN_DROP_SURFACE] = "faces", [KN_DROP_RANGE] = "range",  [KN_DROP_SKIP] = "skip", [KN_DROP_DENSITY] = "density",
-    [KN_DROP_MASK] = "mask",     [KN_DROP_CONE] = "angle",   [KN_DROP_SLAB] = "slab", [KN_DROP_OUTSIDE] = "outside",
-    [KN_DROP_SMALL] = "small",   [KN_DROP_HIDDEN] = "hidden"};
+    [KN_DROP_SURFACE] = "faces",   [KN_DROP_RANGE] = "range",  [KN_DROP_SKIP] = "skip",
+    [KN_DROP_DENSITY] = "density", [KN_DROP_MASK] = "mask",    [KN_DROP_CONE] = "angle",
+    [KN_DROP_TRIM] = "trim",       [KN_DROP_SLAB] = "slab",    [KN_DROP_OUTSIDE] = "outside",
+    [KN_DROP_SMALL] = "small",     [KN_DROP_HIDDEN] = "hidden"};
 
 // Cells that are not there, by what excluded them.
 static json_t *dropped_json(const kn_job_report *r)

@@ -8,6 +8,7 @@
 #include <knurl/field.h>
 #include <knurl/shell.h>
 #include <knurl/tile.h>
+#include <knurl/trim.h>
 
 #ifdef __cplusplus
 extern "C" {
@@ -46,6 +47,19 @@ typedef enum kn_job_crossing {
     KN_CROSSING_TRIM,        // exactly composed pieces, trimmed along the preimage of the line to within crossing_tol
     KN_CROSSING_APPROXIMATE, // one untrimmed patch, within crossing_tol of T(D), certified
 } kn_job_crossing;
+
+// What becomes of tiles that cross the border of a trimmed surface (kn_job_options.trims). Cells that certainly lie
+// beyond it, with all that their tiles occupy, are not there: KN_DROP_TRIM.
+typedef enum kn_job_trimmed {
+    KN_TRIMMED_KEEP, // they stay whole
+    // They are cut off at the border, within crossing_tol: surfaces are trimmed along its preimage, curves end there.
+    // Not for volumes or meshes that cross it.
+    KN_TRIMMED_CLIP,
+    // Heights fall off to nothing (options.taper, 0: over one cell) towards the cells that the border crosses, and
+    // to open ends. There a covering tile, which lies on the surface itself, is cut off as above, so that the face
+    // keeps its border; another tile is not there.
+    KN_TRIMMED_TAPER,
+} kn_job_trimmed;
 
 // Seeded Poisson-disk placement of a casual tile in place of one in each cell.
 typedef struct kn_job_scatter {
@@ -102,6 +116,7 @@ typedef enum kn_job_drop {
     KN_DROP_DENSITY,
     KN_DROP_MASK,
     KN_DROP_CONE,
+    KN_DROP_TRIM, // beyond the border of a trimmed surface
     KN_DROP_SLAB,
     KN_DROP_OUTSIDE, // of the picture
     KN_DROP_SMALL,   // on the screen
@@ -170,12 +185,17 @@ typedef struct kn_job_options {
     double normal_tol; // as kn_shell_options; 0: 1e-6
     kn_job_placement placement;
     kn_job_selection select;
+    // What there is of each surface of the base, in the [0,1]^2 that stands for its domain (an empty one: all of it);
+    // read while the job is planned. Sides of the square are no borders: there `border` holds. NULL: all of all. Not
+    // for volumes, nor with KN_CELLS_FREE.
+    const kn_trim *trims;
+    kn_job_trimmed trimmed;
     const kn_job_vary *vary;   // nvary of them, borrowed with all that they point to
     const kn_job_color *color; // ncolor of them
     int nvary, ncolor;
     kn_job_random random;
     // Heights fall off to nothing over this distance from open ends of the base and borders of the mask, length
-    // units.
+    // units; with KN_TRIMMED_TAPER from borders of trims, too.
     double taper;
     kn_job_crossing crossing;
     double crossing_tol; // length units; 0: 1e-3 of a cell
@@ -207,7 +227,8 @@ typedef struct kn_job_report {
     int even_instead;                // parts, of nparts, that kept even lines and S with KN_CELLS_FREE
     double stretch_error;            // relative, of the heights that follow the stretch (kn_cells_stretch)
     // Bound of |patch - T(D)|, and of the gap between trimmed pieces, where tile patches cross knot lines
-    // (options.crossing), and from trimmed edges to ends that clip, length units, rounding included; 0: none does.
+    // (options.crossing), and from trimmed edges to ends and borders of trims that clip, length units, rounding
+    // included; 0: none does.
     // Patches that are approximated side by side may be of different degrees: their gap is at most twice that.
     double crossing_error;
     // Told to sinks behind a kn_limit_sink: patches above fit_degree in a variable come as splines, each within
