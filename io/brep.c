@@ -59,6 +59,14 @@ static uint64_t bits_of(double x)
     return bits;
 }
 
+kn_brep_key kn_brep_mix(kn_brep_key key, double x)
+{
+    uint64_t bits = bits_of(x);
+    key.a = kn_hash_add(key.a, bits);
+    key.b = kn_hash_add(key.b, bits ^ 0x452821e638d01377u) + key.a;
+    return key;
+}
+
 kn_brep_key kn_brep_hash(bool *turned, const double *x, int ncomp, size_t comp, size_t n, ptrdiff_t step)
 {
     kn_brep_key key = {0x243f6a8885a308d3u, 0x13198a2e03707344u};
@@ -73,9 +81,7 @@ kn_brep_key kn_brep_hash(bool *turned, const double *x, int ncomp, size_t comp, 
     for (size_t i = 0; i < n; i++)
         for (size_t c = 0; c < (size_t)ncomp; c++) {
             const double *at = *turned ? end - (ptrdiff_t)i * step : x + (ptrdiff_t)i * step;
-            uint64_t bits = bits_of(at[c * comp]);
-            key.a = kn_hash_add(key.a, bits);
-            key.b = kn_hash_add(key.b, bits ^ 0x452821e638d01377u) + key.a;
+            key = kn_brep_mix(key, at[c * comp]);
         }
     return key;
 }

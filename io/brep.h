@@ -21,6 +21,9 @@ typedef struct kn_brep_key {
 // A zero's sign does not count.
 kn_brep_key kn_brep_hash(bool *turned, const double *x, int ncomp, size_t comp, size_t n, ptrdiff_t step);
 
+// The key of what a key stands for and one more number.
+kn_brep_key kn_brep_mix(kn_brep_key key, double x);
+
 // An edge as one face uses it.
 typedef struct kn_brep_edge {
     kn_brep_key key, vertex[2]; // vertices where it starts and ends, in the direction of its key

@@ -23,12 +23,6 @@ double kn_step_same(double largest)
     return fmax(same_mm, 1e-12 * largest); // far above the rounding of a composition
 }
 
-void kn_step_put_relative(kn_text *text, uint32_t k)
-{
-    kn_text_relative(text, k);
-    kn_text_char(text, '=');
-}
-
 // ---- the net ----
 
 // Control point k of edge e.
@@ -54,77 +48,74 @@ static int corner_point(const kn_step_net *f, int corner)
     return (corner == 1 || corner == 2 ? nr - 1 : 0) * nt + (corner >= 2 ? nt - 1 : 0);
 }
 
-static bool same_point(const kn_step_net *f, int a, int b)
+static bool same_point(const kn_step_net *f, const double *a, const double *b)
 {
     for (int c = 0; c < 3; c++)
-        if (fabs(f->point[4 * a + c] - f->point[4 * b + c]) > f->same) return false;
+        if (fabs(a[c] - b[c]) > f->same) return false;
     return true;
 }
 
-static kn_status load_axis(kn_ctx *ctx, kn_step_axis *x, const double *knots, int degree, int count)
+// Which of kn_patch.edge edge e is.
+static const int fitted[4] = {2, 1, 3, 0};
+
+kn_status kn_step_edge_spline(kn_ctx *ctx, kn_spline *out, const kn_patch *patch, int e)
 {
-    int most = count - degree + 1, n = 0;
-    int *times = kn_scratch(ctx, (size_t)most, sizeof *times);
-    double *breaks = kn_scratch(ctx, (size_t)most, sizeof *breaks);
-    if (!times || !breaks) return KN_ENOMEM;
-    if (!knots) {
-        times[0] = times[1] = degree + 1;
-        breaks[0] = 0.0, breaks[1] = 1.0;
-        n = 2;
-    }
-    for (int k = 0; knots && k < count + degree + 1; k++) {
-        if (k > 0 && knots[k] == knots[k - 1]) {
-            times[n - 1]++;
-            continue;
-        }
-        times[n] = 1, breaks[n++] = knots[k];
-    }
-    *x = (kn_step_axis){degree, count, n, times, breaks};
-    return KN_OK;
+    if (patch->edge) return kn_spline_copy(ctx, out, &patch->edge[fitted[e]]);
+    kn_spline s = kn_patch_spline(patch);
+    return kn_spline_isoparametric(ctx, out, &s, 1 - e % 2, e == 1 || e == 2 ? 1.0 : 0.0);
+}
+
+static bool same_line(const kn_step_line *a, const kn_step_line *b)
+{
+    const kn_step_axis *x = &a->axis, *y = &b->axis;
+    if (x->n != y->n || x->degree != y->degree || x->nbreaks != y->nbreaks || a->rational != b->rational)
+        return false;
+    for (int k = 0; k < x->nbreaks; k++)
+        if (x->breaks[k] != y->breaks[k] || x->times[k] != y->times[k]) return false;
+    for (int k = 0; k < x->n; k++)
+        for (int c = 0; c < (a->rational ? 4 : 3); c++)
+            if (a->point[k * a->step + c] != b->point[k * b->step + c]) return false;
+    return true;
+}
+
+// The end of the surface itself, on its points; equal weights are left out.
+static void end_line(kn_step_line *line, const kn_step_net *f, int e)
+{
+    int first = edge_point(f, e, 0), n = edge_length(f, e), next = n > 1 ? edge_point(f, e, 1) - first : 0;
+    *line = (kn_step_line){.axis = f->axis[e % 2], .point = f->point + 4 * first, .step = 4 * (ptrdiff_t)next};
+    line->first = (uint32_t)first, line->next = (uint32_t)next;
+    for (int k = 1; k < n; k++) line->rational = line->rational || line->point[k * line->step + 3] != line->point[3];
 }
 
 kn_status kn_step_load(kn_ctx *ctx, kn_step_net *net, const kn_patch *patch, double mm)
 {
-    const kn_bezier *b = &patch->bezier;
-    size_t n = kn_bezier_count(b);
-    double *point = kn_scratch(ctx, 4 * n, sizeof *point), largest = 0.0;
-    kn_status status = point ? KN_OK : KN_ENOMEM;
-    *net = (kn_step_net){.n = (int)n, .point = point};
-    for (int v = 0; v < 2 && status == KN_OK; v++)
-        status = load_axis(ctx, &net->axis[v], NULL, b->degree[v], b->degree[v] + 1);
+    kn_spline s = kn_patch_spline(patch);
+    double *point = NULL, largest = 0.0;
+    *net = (kn_step_net){.n = (int)kn_spline_count(&s)};
+    kn_status status = KN_OK;
+    for (int v = 0; v < 2 && status == KN_OK; v++) status = kn_step_load_axis(ctx, &net->axis[v], &s, v);
+    if (status == KN_OK) status = kn_step_load_points(ctx, &point, &net->rational, &largest, &s, mm, "patch");
     if (status != KN_OK) return status;
-    bool good = true;
-    for (size_t k = 0; k < n && good; k++) {
-        double weight = b->rational ? b->coef[3 * n + k] : 1.0;
-        good = weight > 0.0 && isfinite(weight);
-        for (size_t c = 0; c < 3 && good; c++) {
-            double x = b->coef[c * n + k] / weight * mm;
-            point[4 * k + c] = x;
-            good = isfinite(x);
-            largest = fmax(largest, fabs(x));
-        }
-        point[4 * k + 3] = weight;
-        net->rational = net->rational || weight != point[3];
-    }
-    for (size_t k = 0; k < n && !net->rational; k++) point[4 * k + 3] = 1.0;
+    net->point = point;
     net->same = kn_step_same(largest);
-    return good ? KN_OK : kn_fail(ctx, KN_EUNDEFINED, "STEP: a control point of a patch is not finite");
+    net->numbers = (uint32_t)net->n + 1;
+    for (int e = 0; e < 4 && status == KN_OK; e++) {
+        kn_step_line own;
+        end_line(&net->line[e], net, e);
+        if (!patch->edge) continue;
+        status = kn_step_load_line(ctx, &own, &patch->edge[fitted[e]], mm, net->numbers);
+        if (status != KN_OK || same_line(&own, &net->line[e])) continue;
+        net->line[e] = own;
+        net->numbers += (uint32_t)own.axis.n;
+    }
+    return status;
 }
 
 // ---- text ----
 
 void kn_step_put_points(kn_text *text, const kn_step_net *f)
 {
-    for (int k = 0; k < f->n; k++) {
-        kn_step_put_relative(text, (uint32_t)k);
-        kn_text_put(text, "CARTESIAN_POINT('',(");
-        for (int c = 0; c < 3; c++) {
-            if (c > 0) kn_text_char(text, ',');
-            kn_text_step_real(text, f->point[4 * k + c]);
-        }
-        kn_text_put(text, "));");
-        kn_text_newline(text);
-    }
+    for (int k = 0; k < f->n; k++) kn_step_put_point(text, (uint32_t)k, f->point + 4 * k, 3);
 }
 
 // A list of lists of point numbers or of weights.
@@ -140,39 +131,6 @@ static void put_net(kn_text *text, const kn_step_net *f, bool weights)
         else
             kn_text_relative(text, (uint32_t)k);
         if (k % nt == nt - 1) kn_text_char(text, ')');
-    }
-    kn_text_char(text, ')');
-}
-
-static void put_edge_list(kn_text *text, const kn_step_net *f, int e, bool turned, bool weights)
-{
-    int n = edge_length(f, e);
-    kn_text_char(text, '(');
-    for (int k = 0; k < n; k++) {
-        int at = edge_point(f, e, turned ? n - 1 - k : k);
-        if (k > 0) kn_text_comma(text);
-        if (weights)
-            kn_text_step_real(text, f->point[4 * at + 3]);
-        else
-            kn_text_relative(text, (uint32_t)at);
-    }
-    kn_text_char(text, ')');
-}
-
-void kn_step_put_logical(kn_text *text, bool value)
-{
-    kn_text_put(text, value ? ".T." : ".F.");
-}
-
-void kn_step_put_knots(kn_text *text, const kn_step_axis *x, bool times)
-{
-    kn_text_char(text, '(');
-    for (int k = 0; k < x->nbreaks; k++) {
-        if (k > 0) kn_text_comma(text);
-        if (times)
-            kn_text_integer(text, (uint64_t)x->times[k]);
-        else
-            kn_text_step_real(text, x->breaks[k]);
     }
     kn_text_char(text, ')');
 }
@@ -194,8 +152,8 @@ static void put_surface_shape(kn_text *text, const kn_step_net *f)
 
 static void put_surface_knots(kn_text *text, const kn_step_net *f)
 {
-    for (int v = 0; v < 2; v++) kn_step_put_knots(text, &f->axis[v], true), kn_text_char(text, ',');
-    for (int v = 0; v < 2; v++) kn_step_put_knots(text, &f->axis[v], false), kn_text_char(text, ',');
+    for (int v = 0; v < 2; v++) kn_step_put_times(text, &f->axis[v], false), kn_text_char(text, ',');
+    for (int v = 0; v < 2; v++) kn_step_put_breaks(text, &f->axis[v], false), kn_text_char(text, ',');
     kn_text_put(text, ".UNSPECIFIED.");
 }
 
@@ -212,31 +170,6 @@ void kn_step_put_surface(kn_text *text, const kn_step_net *f)
         kn_text_put(text, "GEOMETRIC_REPRESENTATION_ITEM()RATIONAL_B_SPLINE_SURFACE(");
         put_net(text, f, true);
         kn_text_put(text, ")REPRESENTATION_ITEM('')SURFACE()");
-    }
-    kn_text_put(text, ");");
-    kn_text_newline(text);
-}
-
-// Without its number, in the direction of its key.
-static void put_curve(kn_text *text, const kn_step_net *f, int e, bool turned, bool closed)
-{
-    const kn_step_axis *x = &f->axis[e % 2];
-    kn_text_put(text, f->rational ? "(BOUNDED_CURVE()B_SPLINE_CURVE(" : "B_SPLINE_CURVE_WITH_KNOTS('',");
-    kn_text_integer(text, (uint64_t)x->degree);
-    kn_text_char(text, ',');
-    put_edge_list(text, f, e, turned, false);
-    kn_text_put(text, ",.UNSPECIFIED.,");
-    kn_step_put_logical(text, closed);
-    kn_text_put(text, f->rational ? ",.F.)B_SPLINE_CURVE_WITH_KNOTS(" : ",.F.,");
-    kn_step_put_knots(text, x, true), kn_text_char(text, ',');
-    kn_step_put_knots(text, x, false); // symmetric: they serve both directions
-    kn_text_put(text, ",.UNSPECIFIED.");
-    if (f->rational) {
-        kn_text_char(text, ')');
-        kn_text_newline(text);
-        kn_text_put(text, "CURVE()GEOMETRIC_REPRESENTATION_ITEM()RATIONAL_B_SPLINE_CURVE(");
-        put_edge_list(text, f, e, turned, true);
-        kn_text_put(text, ")REPRESENTATION_ITEM('')");
     }
     kn_text_put(text, ");");
     kn_text_newline(text);
@@ -260,11 +193,11 @@ static void find_edges(kn_step_item *item, kn_step_net *f, bool turned[4])
 {
     kn_brep_key key[4];
     for (int e = 0; e < 4; e++) {
-        int n = edge_length(f, e), first = edge_point(f, e, 0);
-        ptrdiff_t step = 4 * (ptrdiff_t)(n > 1 ? edge_point(f, e, 1) - first : 0);
-        key[e] = kn_brep_hash(&turned[e], f->point + 4 * first, 4, 1, (size_t)n, step);
+        const kn_step_line *line = &f->line[e];
         bool point = true;
-        for (int k = 0; k < n; k++) point = point && same_point(f, first, edge_point(f, e, k));
+        key[e] = kn_step_line_key(&turned[e], line);
+        for (int k = 1; k < line->axis.n; k++)
+            point = point && same_point(f, line->point, line->point + k * line->step);
         kn_brep_key start = corner_key(f, edge_start[e]), end = corner_key(f, edge_end[e]);
         if (point) {
             if (equal_keys(start, end)) continue;
@@ -310,13 +243,14 @@ kn_status kn_step_put_face(kn_text *text, kn_step_item *item, const kn_patch *pa
         item->text_end = text->bytes;
         for (int e = 0, at = 0; e < 4; e++) {
             bool used = at < item->nedges && item->edge[at] == e;
-            if (used) {
-                const kn_brep_edge *b = &item->edges[at++];
-                put_curve(text, &f, e, turned[e], equal_keys(b->vertex[0], b->vertex[1]));
-            }
+            const kn_brep_edge *b = &item->edges[at];
+            at += used;
+            if (used && f.line[e].own) kn_step_put_line_points(text, &f.line[e]);
+            item->curve_begin[e] = text->bytes;
+            if (used) kn_step_put_line(text, &f.line[e], turned[e], equal_keys(b->vertex[0], b->vertex[1]));
             item->curve_end[e] = text->bytes;
         }
-        item->numbers = (uint32_t)f.n + 1, item->main = (uint32_t)f.n;
+        item->numbers = f.numbers, item->main = (uint32_t)f.n;
     }
     kn_scratch_release(text->ctx, mark);
     return status == KN_OK && text->failed ? KN_ENOMEM : status;

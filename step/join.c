@@ -125,8 +125,9 @@ static void put_edges(kn_step_join *j, kn_text *out, const kn_step_item *item, c
                 put_form(out, names[i].vertex[k], "VERTEX_POINT('',#);", (uint64_t[]){base + item->corner[i][k]});
         if (!names[i].new_edge) continue;
         size_t from = e > 0 ? item->curve_end[e - 1] : item->text_end;
+        kn_text_expand(out, data + from, item->curve_begin[e] - from, base);
         kn_step_put_number(out, names[i].edge - 1);
-        kn_text_expand(out, data + from, item->curve_end[e] - from, base);
+        kn_text_expand(out, data + item->curve_begin[e], item->curve_end[e] - item->curve_begin[e], base);
         put_form(out, names[i].edge, "EDGE_CURVE('',#,#,#,.T.);",
                  (uint64_t[]){names[i].vertex[0], names[i].vertex[1], names[i].edge - 1});
     }

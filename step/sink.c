@@ -58,7 +58,8 @@ static kn_status take_report(kn_ctx *ctx, step *s, const kn_job_report *report)
         return kn_fail(ctx, KN_EDOMAIN,
                        "STEP: %zu of the patches are meshes, and faces are spline surfaces: write STL, OBJ or glTF",
                        report->meshes);
-    uint64_t points = report->volumes > 0 ? 0 : report->control_points; // hidden faces of volumes are not written
+    // hidden faces of volumes are not written, and limited patches are only estimated
+    uint64_t points = report->volumes > 0 || report->fit_degree > 0 ? 0 : report->control_points;
     if (points < INT_MAX && s->patches <= (INT_MAX - points) / ENTITIES) return KN_OK;
     return kn_fail(ctx, KN_ELIMIT, "STEP: %zu patches of degree %d,%d need entity numbers beyond %d", report->patches,
                    s->degree[0], s->degree[1], INT_MAX);
@@ -82,11 +83,11 @@ static kn_status step_begin(kn_ctx *ctx, void *user, const kn_tile *tile, const 
 
 static kn_status check_patch(kn_ctx *ctx, const step *s, const kn_patch *patch, uint64_t place)
 {
-    const kn_bezier *b = &patch->bezier;
-    bool fits = b->nvars == 1 && s->curves;
-    if (b->nvars == 2) fits = b->degree[0] <= s->degree[0] && b->degree[1] <= s->degree[1];
-    for (int v = 0; v < 3 && b->nvars == 3; v++) fits = (v == 0 || fits) && b->degree[v] <= s->volume_degree;
-    if (fits && kn_bezier_dim(b) == 3 && patch->look >= 0 && patch->look < s->join.nlooks && place < s->patches)
+    const kn_spline b = kn_patch_spline(patch);
+    bool fits = b.nvars == 1 && s->curves;
+    if (b.nvars == 2) fits = b.degree[0] <= s->degree[0] && b.degree[1] <= s->degree[1];
+    for (int v = 0; v < 3 && b.nvars == 3; v++) fits = (v == 0 || fits) && b.degree[v] <= s->volume_degree;
+    if (fits && kn_spline_dim(&b) == 3 && patch->look >= 0 && patch->look < s->join.nlooks && place < s->patches)
         return KN_OK;
     return kn_fail(ctx, KN_EDOMAIN, "STEP: patch %llu is not what the job's report announced",
                    (unsigned long long)place);
@@ -96,7 +97,7 @@ static kn_status put_face(kn_ctx *ctx, const step *s, written *w, const kn_patch
 {
     kn_step_item *item = &w->items[w->nitems];
     size_t begin = w->text.bytes;
-    kn_status status = patch->bezier.nvars == 1
+    kn_status status = kn_patch_nvars(patch) == 1
                            ? kn_step_put_curve(&w->text, item, patch, s->unit_mm)
                            : kn_step_put_face(&w->text, item, patch, s->join.looks[patch->look].name, s->unit_mm);
     (void)ctx;
@@ -134,7 +135,7 @@ static kn_status step_work(kn_ctx *worker, void *user, const kn_patch_block *blo
 {
     const step *s = user;
     size_t most = 0;
-    for (size_t i = 0; i < block->count; i++) most += block->patches[i].bezier.nvars == 3 ? 6 : 1;
+    for (size_t i = 0; i < block->count; i++) most += kn_patch_nvars(&block->patches[i]) == 3 ? 6 : 1;
     written *w = kn_alloc_zero(worker, 1, sizeof *w);
     if (w == NULL) return KN_ENOMEM;
     w->text.ctx = worker;
@@ -144,7 +145,7 @@ static kn_status step_work(kn_ctx *worker, void *user, const kn_patch_block *blo
         const kn_patch *patch = &block->patches[i];
         status = check_patch(worker, s, patch, (uint64_t)block->first + i);
         if (status != KN_OK) break;
-        status = patch->bezier.nvars == 3 ? put_volume(worker, s, w, patch) : put_face(worker, s, w, patch);
+        status = kn_patch_nvars(patch) == 3 ? put_volume(worker, s, w, patch) : put_face(worker, s, w, patch);
     }
     if (status != KN_OK) {
         step_discard(worker, user, w);

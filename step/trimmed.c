@@ -18,12 +18,12 @@ enum {
     LOOP_NUMBERS = 2,
 };
 
-// One curve of the trim, sampled: n points in the plane, of degree 1 there; n - 1 cubics in space, or one of the
-// degree of the patch's edge.
+// One curve of the trim, sampled: n points in the plane, of degree 1 there, over the knots 0 .. n - 1; in space n - 1
+// cubics over the same knots, or a part of the patch's edge.
 typedef struct edge {
     double (*plane)[2];
-    double *space; // x, y, z, weight
-    int n, points, degree;
+    kn_step_line line;
+    int n;
     bool collapsed;
     uint32_t first;
     int vertex; // of the curve whose first point is its start
@@ -32,7 +32,8 @@ typedef struct edge {
 typedef struct trimmed {
     kn_text *text;
     const kn_patch *patch;
-    const kn_bezier *surface; // in mm
+    double mm;
+    kn_spline surface; // in mm
     kn_step_net net;
     edge *edges;
 } trimmed;
@@ -54,12 +55,6 @@ static bool on_border(const kn_spline *c, int *var)
 static int plane_points(const kn_spline *c)
 {
     return c->degree[0] == 1 ? c->count[0] : 1 + 8 * kn_spline_spans(c, 0);
-}
-
-static int space_points(const kn_patch *patch, const kn_spline *c)
-{
-    int v;
-    return on_border(c, &v) ? patch->bezier.degree[v] + 1 : 3 * (plane_points(c) - 1) + 1;
 }
 
 // ---- geometry ----
@@ -84,14 +79,13 @@ static kn_status sample_plane(kn_ctx *ctx, edge *e, const kn_spline *c)
 }
 
 // Control points j = 0 .. 3 of the cubic over segment k.
-static kn_status add_cubic(kn_ctx *ctx, const trimmed *t, edge *e, int k)
+static kn_status add_cubic(kn_ctx *ctx, const trimmed *t, const edge *e, double *p, int k)
 {
     double from[9], to[9], d[2];
-    kn_status status = kn_bezier_derivatives(ctx, from, t->surface, e->plane[k], 1);
-    if (status == KN_OK) status = kn_bezier_derivatives(ctx, to, t->surface, e->plane[k + 1], 1);
+    kn_status status = kn_spline_derivatives(ctx, from, &t->surface, e->plane[k], 1);
+    if (status == KN_OK) status = kn_spline_derivatives(ctx, to, &t->surface, e->plane[k + 1], 1);
     if (status != KN_OK) return status;
     for (int c = 0; c < 2; c++) d[c] = e->plane[k + 1][c] - e->plane[k][c];
-    double *p = e->space + 12 * k;
     for (int c = 0; c < 3; c++) {
         p[c] = from[c];
         p[4 + c] = from[c] + (from[3 + c] * d[0] + from[6 + c] * d[1]) / 3.0;
@@ -102,45 +96,58 @@ static kn_status add_cubic(kn_ctx *ctx, const trimmed *t, edge *e, int k)
     return KN_OK;
 }
 
-static kn_status add_border(kn_ctx *ctx, const trimmed *t, edge *e, int v)
+// Knots 0 .. spans, degree + 1 of them at the ends and degree between: pieces that meet.
+static kn_status even_axis(kn_ctx *ctx, kn_step_axis *x, int degree, int spans)
 {
-    kn_bezier part = {0};
-    double lo[2], hi[2];
-    for (int c = 0; c < 2; c++) lo[c] = e->plane[0][c], hi[c] = e->plane[1][c];
-    bool upper = lo[1 - v] == 1.0;
-    lo[1 - v] = 0.0, hi[1 - v] = 1.0;
-    kn_status status = kn_bezier_restrict(ctx, &part, t->surface, lo, hi); // lo > hi runs it backwards
-    size_t n = status == KN_OK ? kn_bezier_count(&part) : 0;
-    int m = part.degree[1] + 1;
-    for (int k = 0; status == KN_OK && k < e->points; k++) {
-        int across = upper ? part.degree[1 - v] : 0;
-        size_t at = (size_t)(v == 0 ? k * m + across : across * m + k);
-        double weight = part.rational ? part.coef[3 * n + at] : 1.0;
-        for (size_t c = 0; c < 3; c++) e->space[4 * (size_t)k + c] = part.coef[c * n + at] / weight;
-        e->space[4 * k + 3] = weight;
+    int *times = kn_scratch(ctx, (size_t)spans + 1, sizeof *times);
+    double *breaks = kn_scratch(ctx, (size_t)spans + 1, sizeof *breaks);
+    if (!times || !breaks) return KN_ENOMEM;
+    for (int k = 0; k <= spans; k++) {
+        times[k] = k == 0 || k == spans ? degree + 1 : degree;
+        breaks[k] = k;
     }
-    kn_bezier_clear(ctx, &part);
+    *x = (kn_step_axis){degree, degree * spans + 1, spans + 1, times, breaks};
+    return KN_OK;
+}
+
+static kn_status add_cubics(kn_ctx *ctx, const trimmed *t, edge *e)
+{
+    int spans = e->n - 1;
+    double *point = kn_scratch(ctx, 3 * (size_t)spans + 1, 4 * sizeof *point);
+    kn_status status = point ? even_axis(ctx, &e->line.axis, 3, spans) : KN_ENOMEM;
+    for (int k = 0; k < spans && status == KN_OK; k++) status = add_cubic(ctx, t, e, point + 12 * k, k);
+    e->line.point = point, e->line.step = 4, e->line.own = true, e->line.next = 1;
     return status;
 }
 
-static kn_status make_edge(kn_ctx *ctx, trimmed *t, edge *e, const kn_spline *c)
+// Along the side of the square where variable v runs.
+static kn_status add_border(kn_ctx *ctx, const trimmed *t, edge *e, int v)
+{
+    double from = e->plane[0][v], to = e->plane[1][v], lo = fmin(from, to), hi = fmax(from, to);
+    bool upper = e->plane[0][1 - v] == 1.0;
+    kn_spline part = {0};
+    kn_status status = kn_step_edge_spline(ctx, &part, t->patch, v == 0 ? (upper ? 2 : 0) : (upper ? 1 : 3));
+    if (status == KN_OK && (lo > 0.0 || hi < 1.0)) status = kn_spline_restrict(ctx, &part, &part, &lo, &hi);
+    if (status == KN_OK && from > to) status = kn_spline_reverse(ctx, &part, &part, 0);
+    if (status == KN_OK) status = kn_step_load_line(ctx, &e->line, &part, t->mm, 0);
+    kn_spline_clear(ctx, &part);
+    return status;
+}
+
+static kn_status make_edge(kn_ctx *ctx, const trimmed *t, edge *e, const kn_spline *c)
 {
     int v = 0;
-    bool border = on_border(c, &v);
     e->n = plane_points(c);
-    e->points = space_points(t->patch, c);
-    e->degree = border ? e->points - 1 : 3;
     e->plane = kn_scratch(ctx, (size_t)e->n, sizeof *e->plane);
-    e->space = kn_scratch(ctx, (size_t)e->points, 4 * sizeof *e->space);
-    if (!e->plane || !e->space) return KN_ENOMEM;
+    if (!e->plane) return KN_ENOMEM;
     kn_status status = sample_plane(ctx, e, c);
-    if (border && status == KN_OK) status = add_border(ctx, t, e, v);
-    for (int k = 0; !border && status == KN_OK && k + 1 < e->n; k++) status = add_cubic(ctx, t, e, k);
+    if (status == KN_OK) status = on_border(c, &v) ? add_border(ctx, t, e, v) : add_cubics(ctx, t, e);
+    if (status != KN_OK) return status;
     e->collapsed = true;
-    for (int k = 1; k < e->points; k++)
+    for (int k = 1; k < e->line.axis.n; k++)
         for (int x = 0; x < 3; x++)
-            e->collapsed = e->collapsed && fabs(e->space[4 * k + x] - e->space[x]) <= t->net.same;
-    return status;
+            e->collapsed = e->collapsed && fabs(e->line.point[4 * k + x] - e->line.point[x]) <= t->net.same;
+    return KN_OK;
 }
 
 // A curve that is a point has no edge; its start is then that of the next one.
@@ -159,18 +166,6 @@ static void join_vertices(trimmed *t)
 
 // ---- text ----
 
-static void put_point(kn_text *text, uint32_t number, const double *p, int dim)
-{
-    kn_step_put_relative(text, number);
-    kn_text_put(text, "CARTESIAN_POINT('',(");
-    for (int c = 0; c < dim; c++) {
-        if (c > 0) kn_text_char(text, ',');
-        kn_text_step_real(text, p[c]);
-    }
-    kn_text_put(text, "));");
-    kn_text_newline(text);
-}
-
 static void put_list(kn_text *text, uint32_t first, int n)
 {
     kn_text_char(text, '(');
@@ -179,47 +174,6 @@ static void put_list(kn_text *text, uint32_t first, int n)
         kn_text_relative(text, first + (uint32_t)k);
     }
     kn_text_char(text, ')');
-}
-
-// Knots 0 .. spans, degree + 1 of them at the ends and degree between: pieces that meet.
-static void put_knots(kn_text *text, int degree, int spans)
-{
-    kn_text_char(text, '(');
-    for (int k = 0; k <= spans; k++) {
-        if (k > 0) kn_text_comma(text);
-        kn_text_integer(text, (uint64_t)(k == 0 || k == spans ? degree + 1 : degree));
-    }
-    kn_text_put(text, "),(");
-    for (int k = 0; k <= spans; k++) {
-        if (k > 0) kn_text_comma(text);
-        kn_text_step_real(text, k);
-    }
-    kn_text_put(text, "),.UNSPECIFIED.");
-}
-
-static void put_space_curve(const trimmed *t, const edge *e, uint32_t number, uint32_t points)
-{
-    kn_text *text = t->text;
-    bool rational = false;
-    for (int k = 1; k < e->points; k++) rational = rational || e->space[4 * k + 3] != e->space[3];
-    int spans = (e->points - 1) / e->degree;
-    kn_step_put_relative(text, number);
-    kn_text_put(text, rational ? "(BOUNDED_CURVE()B_SPLINE_CURVE(" : "B_SPLINE_CURVE_WITH_KNOTS('',");
-    kn_text_integer(text, (uint64_t)e->degree);
-    kn_text_char(text, ',');
-    put_list(text, points, e->points);
-    kn_text_put(text, rational ? ",.UNSPECIFIED.,.F.,.F.)B_SPLINE_CURVE_WITH_KNOTS(" : ",.UNSPECIFIED.,.F.,.F.,");
-    put_knots(text, e->degree, spans);
-    if (rational) {
-        kn_text_put(text, ")CURVE()GEOMETRIC_REPRESENTATION_ITEM()RATIONAL_B_SPLINE_CURVE((");
-        for (int k = 0; k < e->points; k++) {
-            if (k > 0) kn_text_comma(text);
-            kn_text_step_real(text, e->space[4 * k + 3]);
-        }
-        kn_text_put(text, "))REPRESENTATION_ITEM('')");
-    }
-    kn_text_put(text, ");");
-    kn_text_newline(text);
 }
 
 // Its number and the form, whose every '#' is the next one of the references.
@@ -235,23 +189,40 @@ static void put_form(kn_text *text, uint32_t number, const char *form, const uin
     kn_text_newline(text);
 }
 
+// A polyline over the knots 0 .. n - 1.
+static void put_plane_curve(kn_text *text, const edge *e, uint32_t number, uint32_t points)
+{
+    kn_step_put_relative(text, number);
+    kn_text_put(text, "B_SPLINE_CURVE_WITH_KNOTS('',1,");
+    put_list(text, points, e->n);
+    kn_text_put(text, ",.UNSPECIFIED.,.F.,.F.,(");
+    for (int k = 0; k < e->n; k++) {
+        if (k > 0) kn_text_comma(text);
+        kn_text_char(text, k == 0 || k == e->n - 1 ? '2' : '1');
+    }
+    kn_text_put(text, "),(");
+    for (int k = 0; k < e->n; k++) {
+        if (k > 0) kn_text_comma(text);
+        kn_text_step_real(text, k);
+    }
+    kn_text_put(text, "),.UNSPECIFIED.);");
+    kn_text_newline(text);
+}
+
 // first + 0 vertex, 1 curve in space, 2 curve in the plane, 3 representation, 4 pcurve, 5 surface curve, 6 edge,
 // 7 oriented edge; then the points.
 static void put_edge(const trimmed *t, const edge *e, uint32_t from, uint32_t to, uint32_t context)
 {
     kn_text *text = t->text;
-    uint32_t f = e->first, points = f + CURVE_NUMBERS, plane = points + (uint32_t)e->points;
-    for (int k = 0; k < e->points; k++) put_point(text, points + (uint32_t)k, e->space + 4 * k, 3);
-    for (int k = 0; k < e->n; k++) put_point(text, plane + (uint32_t)k, e->plane[k], 2);
+    uint32_t f = e->first, points = f + CURVE_NUMBERS, plane = points + (uint32_t)e->line.axis.n;
+    kn_step_line line = e->line;
+    line.first = points;
+    kn_step_put_line_points(text, &line);
+    for (int k = 0; k < e->n; k++) kn_step_put_point(text, plane + (uint32_t)k, e->plane[k], 2);
     put_form(text, f, "VERTEX_POINT('',#);", (uint32_t[]){points});
-    put_space_curve(t, e, f + 1, points);
-    kn_step_put_relative(text, f + 2);
-    kn_text_put(text, "B_SPLINE_CURVE_WITH_KNOTS('',1,");
-    put_list(text, plane, e->n);
-    kn_text_put(text, ",.UNSPECIFIED.,.F.,.F.,");
-    put_knots(text, 1, e->n - 1);
-    kn_text_put(text, ");");
-    kn_text_newline(text);
+    kn_step_put_relative(text, f + 1);
+    kn_step_put_line(text, &line, false, false);
+    put_plane_curve(text, e, f + 2, plane);
     put_form(text, f + 3, "DEFINITIONAL_REPRESENTATION('',(#),#);", (uint32_t[]){f + 2, context});
     put_form(text, f + 4, "PCURVE('',#,#);", (uint32_t[]){(uint32_t)t->net.n, f + 3});
     put_form(text, f + 5, "SURFACE_CURVE('',#,(#),.CURVE_3D.);", (uint32_t[]){f + 1, f + 4});
@@ -309,7 +280,7 @@ static uint32_t put_all(trimmed *t, const char *part)
     uint32_t next = bounds + LOOP_NUMBERS * (uint32_t)trim->nloops;
     for (int k = 0; k < trim->ncurves; k++) {
         t->edges[k].first = next;
-        next += CURVE_NUMBERS + (uint32_t)t->edges[k].points + (uint32_t)t->edges[k].n;
+        next += CURVE_NUMBERS + (uint32_t)t->edges[k].line.axis.n + (uint32_t)t->edges[k].n;
     }
     join_vertices(t);
     kn_step_put_points(text, &t->net);
@@ -339,13 +310,12 @@ static uint32_t put_all(trimmed *t, const char *part)
 kn_status kn_step_put_trimmed(kn_text *text, kn_step_item *item, const kn_patch *patch, const char *part, double mm)
 {
     kn_ctx *ctx = text->ctx;
-    const kn_bezier *b = &patch->bezier;
-    kn_bezier surface = {0};
-    trimmed t = {.text = text, .patch = patch, .surface = &surface};
+    trimmed t = {.text = text, .patch = patch, .mm = mm};
     kn_mark mark = kn_scratch_mark(ctx);
+    kn_spline s = kn_patch_spline(patch);
     t.edges = kn_scratch(ctx, (size_t)patch->trim->ncurves, sizeof *t.edges);
     kn_status status = t.edges ? kn_step_load(ctx, &t.net, patch, mm) : KN_ENOMEM;
-    if (status == KN_OK) status = kn_bezier_scale(ctx, &surface, b, mm);
+    if (status == KN_OK) status = kn_spline_scale(ctx, &t.surface, &s, mm);
     if (status == KN_OK) memset(t.edges, 0, (size_t)patch->trim->ncurves * sizeof *t.edges);
     for (int k = 0; status == KN_OK && k < patch->trim->ncurves; k++)
         status = make_edge(ctx, &t, &t.edges[k], &patch->trim->curves[k]);
@@ -355,7 +325,7 @@ kn_status kn_step_put_trimmed(kn_text *text, kn_step_item *item, const kn_patch 
         item->main = (uint32_t)t.net.n + KN_STEP_FACE_NUMBERS - 1;
         item->text_end = text->bytes;
     }
-    kn_bezier_clear(ctx, &surface);
+    kn_spline_clear(ctx, &t.surface);
     kn_scratch_release(ctx, mark);
     return status == KN_OK && text->failed ? KN_ENOMEM : status;
 }

@@ -32,13 +32,13 @@ typedef enum kn_step_kind {
 } kn_step_kind;
 
 // What a thread wrote of one face or curve. Its text: from text_begin to text_end, then, of a plain
-// face, the four edges' curves, without "#n=", each up to curve_end[e].
+// face, the four edges' curves: points of their own up to curve_begin[e], then the curve without "#n=" to curve_end[e].
 typedef struct kn_step_item {
     kn_step_kind kind;
     int look;
     kn_patch_id id;
     bool reversed;
-    size_t text_begin, text_end, curve_end[4];
+    size_t text_begin, text_end, curve_begin[4], curve_end[4];
     uint32_t numbers; // that the text uses, from 0 on
     uint32_t main;    // the number of the plain face's surface; of the trimmed face, of the curve
     // The edges of a plain face that are no points, in the order of its loop; corner point of each vertex.
