@@ -89,7 +89,7 @@ FOUND := $(shell printf '%s\n' $(foreach e,$(EXTERNALS),'$(hash)if __has_include
   | $(CXX) -E -P -x c++ - 2>/dev/null)
 
 # ---- what there is to build: every file that exists in its place ----
-MODULES := kernel bezier spline solve fit construct trivar cells fold trim mesh field tile compose job slice implicit levelset subdiv io cad step iges
+MODULES := kernel bezier spline solve fit construct trivar cells fold trim mesh field tile compose job slice implicit levelset subdiv io cad step iges write
 LIB_SRC := $(foreach m,$(MODULES),$(wildcard $(m)/*.c))
 BRIDGES := $(filter $(FOUND),$(notdir $(patsubst %/,%,$(wildcard bridges/*/))))
 bridge_src = $(wildcard bridges/$(1)/*.cpp bridges/$(1)/*.c)

@@ -10,7 +10,7 @@
 #   4 trivar cells fold trim mesh field tile compose  shell.h cells.h fold.h trim.h mesh.h field.h tile.h compose.h
 #   5 job slice implicit levelset subdiv  job.h slice.h
 #   6 io                         io.h
-#   7 cad step iges              cad.h step.h iges.h knurl.h
+#   7 cad step iges write        cad.h step.h iges.h write.h knurl.h
 #   8 bridges/*
 #   9 cli examples bench tests
 #
@@ -19,15 +19,15 @@
 set -eu
 cd "${1:-.}"
 
-files=$(find kernel bezier spline fit construct solve trivar cells fold trim mesh field tile compose job slice implicit levelset subdiv io cad step iges bridges cli examples bench tests include \
+files=$(find kernel bezier spline fit construct solve trivar cells fold trim mesh field tile compose job slice implicit levelset subdiv io cad step iges write bridges cli examples bench tests include \
     -type f \( -name '*.[ch]' -o -name '*.cpp' -o -name '*.hpp' \) 2>/dev/null | LC_ALL=C sort)
 # shellcheck disable=SC2086
 LC_ALL=C awk '
 BEGIN {
-    split("base 0 bezier 1 spline 2 fit 3 construct 3 solve 3 shell 4 fold 4 cells 4 trim 4 mesh 4 field 4 tile 4 compose 4 job 5 slice 5 io 6 cad 7 step 7 iges 7 knurl 7", word, " ")
+    split("base 0 bezier 1 spline 2 fit 3 construct 3 solve 3 shell 4 fold 4 cells 4 trim 4 mesh 4 field 4 tile 4 compose 4 job 5 slice 5 io 6 cad 7 step 7 iges 7 write 7 knurl 7", word, " ")
     for (i = 1; i in word; i += 2) public_level["include/knurl/" word[i] ".h"] = word[i + 1]
     split("kernel 0 bezier 1 spline 2 fit 3 construct 3 solve 3 trivar 4 cells 4 fold 4 trim 4 mesh 4 field 4 tile 4 compose 4 job 5 slice 5 implicit 5" \
-          " levelset 5 subdiv 5 io 6 cad 7 step 7 iges 7 bridges 8 cli 9 examples 9 bench 9 tests 9", word, " ")
+          " levelset 5 subdiv 5 io 6 cad 7 step 7 iges 7 write 7 bridges 8 cli 9 examples 9 bench 9 tests 9", word, " ")
     for (i = 1; i in word; i += 2) folder_level[word[i]] = word[i + 1]
     split("assert complex ctype errno fenv float inttypes iso646 limits locale math setjmp signal stdalign stdarg" \
           " stdatomic stdbool stddef stdint stdio stdlib stdnoreturn string tgmath threads time uchar wchar wctype" \

@@ -22,5 +22,6 @@
 #include <knurl/io.h>
 #include <knurl/cad.h>
 #include <knurl/step.h>
+#include <knurl/write.h>
 
 #endif

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+// Streaming writers of exact patches: GoTools, IRIT. (STL, OBJ triangles: io.h; STEP: step.h; IGES: iges.h.)
+#ifndef KNURL_WRITE_H
+#define KNURL_WRITE_H
+
+#include <knurl/io.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+// Sinks for kn_job_run and kn_model_run, as those of io.h: a new file beside path gets the name when the job has ended;
+// the same bytes for any number of threads; memory is that of the blocks in flight; runs can be noted and gone on
+// with. A patch is one piece or a spline (kn_patch_spline) and goes out as it is: numbers are the shortest that read
+// back as the same doubles. Reversed surfaces and volumes have their first two variables swapped, so that r x t looks
+// outside and volumes are right-handed.
+// fails:  KN_EDOMAIN also for kinds of patches that a format does not hold, control points that are not finite, and
+//         weights that are not positive; all before anything is written where the job's report tells.
+
+// GoTools .g2: curves (100), surfaces (200), volumes (700) with colours, trimmed surfaces as bounded surfaces (210)
+// whose loops are curves in the parameter plane; kn_read_g2 reads all but these back, bit for bit. No meshes, no names.
+KN_API KN_CHECKED kn_status kn_g2_sink(kn_ctx *ctx, kn_sink *out, const char *path);
+// IRIT data (.itd): curves, surfaces, trivariates, trimmed surfaces (TRIMSRF), meshes as polygons; each an object
+// with a name, "s0_c3_4_ring_12" for surface, cell, part and patch, and the colour of its part. kn_read_itd reads all but
+// trimmed surfaces back, bit for bit.
+KN_API KN_CHECKED kn_status kn_itd_sink(kn_ctx *ctx, kn_sink *out, const char *path);
+
+#ifdef __cplusplus
+}
+#endif
+#endif
