@@ -6,6 +6,7 @@
 
 #include <knurl/fit.h>
 
+#include "bezier/norm_bound.h"
 #include "kernel/context.h"
 
 // One variable of such a fit. Coefficients are those of the spline whose inner knots occur p - 1 times: all of the
@@ -37,5 +38,19 @@ typedef struct kn_limit_edge {
 // The fit's edges, 2 var + end, become these: knots inserted to the axes' levels, which are no lower.
 kn_status kn_limit_put_edges(kn_ctx *ctx, double *coef, size_t ncomp, const kn_limit_axis axis[2],
                              const kn_limit_edge edges[4]);
+
+// A piece and its fit.
+typedef struct kn_limit_fit {
+    const kn_bezier *a;
+    const kn_fit_limits *limits;
+    kn_limit_axis axis[KN_MAX_VARS];
+    double *coef; // ncomp arrays of the axes' counts
+    double error;
+    size_t worst;   // the span where it is largest, as far as that is known
+    kn_parts rough; // the piece's largest numbers
+} kn_limit_fit;
+// *angle = a bound of the angle between the normals of a surface and of its fit along the edge where variable var ends,
+// error that of their distance. INFINITY: it could not be certified, as where the normal vanishes. KN_ENOMEM.
+kn_status kn_limit_edge_angle(kn_ctx *ctx, double *angle, const kn_limit_fit *f, double error, int var, bool at_end);
 
 #endif

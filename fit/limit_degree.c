@@ -12,21 +12,12 @@
 #include <math.h>
 #include <string.h>
 
-#include "bezier/norm_bound.h"
 #include "bezier/shape.h"
 #include "kernel/bernstein.h"
 
 enum { MOST_LEVEL = 10 };
 
-typedef struct fit {
-    const kn_bezier *a;
-    const kn_fit_limits *limits;
-    kn_limit_axis axis[KN_MAX_VARS];
-    double *coef; // ncomp arrays of the axes' counts
-    double error;
-    size_t worst;   // the span where it is largest, as far as that is known
-    kn_parts rough; // the piece's largest numbers
-} fit;
+typedef kn_limit_fit fit;
 
 static size_t comps(const fit *f)
 {
@@ -216,14 +207,34 @@ static kn_status certify(kn_ctx *ctx, fit *f, double enough, double most)
 
 // ---- fits ----
 
-// Onto the multiples of the quantum: then inserting knots halfway is exact, whatever side of an edge does it.
+// Whether each index of control point i is the first or the last.
+static bool is_corner(const fit *f, size_t i)
+{
+    for (int v = f->a->nvars - 1; v >= 0; v--) {
+        size_t n = kn_limit_count(&f->axis[v]), k = i % n;
+        if (k != 0 && k != n - 1) return false;
+        i /= n;
+    }
+    return true;
+}
+
+// Onto the multiples of the quantum: then inserting knots halfway is exact, whatever side of an edge does it. Not what
+// stays as it was, corners and curves of low degree: these belong to neighbours, too, of which nothing may be limited.
 static void round_off(const fit *f)
 {
     double q = f->limits->quantum;
-    if (q == 0.0 || f->a->rational) return;
-    size_t all = comps(f);
-    for (int v = 0; v < f->a->nvars; v++) all *= kn_limit_count(&f->axis[v]);
-    for (size_t i = 0; i < all; i++) f->coef[i] = rint(f->coef[i] / q) * q;
+    size_t n = 1;
+    bool kept = true;
+    for (int v = 0; v < f->a->nvars; v++) {
+        n *= kn_limit_count(&f->axis[v]);
+        kept = kept && is_kept(&f->axis[v]);
+    }
+    if (q == 0.0 || f->a->rational || kept) return;
+    for (size_t i = 0; i < n; i++)
+        for (size_t c = 0; c < comps(f) && !is_corner(f, i); c++) {
+            double *x = &f->coef[c * n + i];
+            *x = rint(*x / q) * q;
+        }
 }
 
 // Fits and certifies with the axes as they are, to below `most` or not; edges: NULL, or to be put in place.
@@ -347,13 +358,13 @@ static kn_status fit_edges(kn_ctx *ctx, kn_limit_edge edges[4], fit *f)
 
 // ---- the spline ----
 
-static kn_status to_spline(kn_ctx *ctx, kn_spline *out, const fit *f)
+static kn_status to_spline(kn_ctx *ctx, kn_spline *out, const kn_bezier *a, int nvars, const kn_limit_axis *axis,
+                           const double *coef)
 {
-    const kn_bezier *a = f->a;
     int degree[KN_MAX_VARS], count[KN_MAX_VARS];
     double *knots[KN_MAX_VARS];
-    for (int v = 0; v < a->nvars; v++) {
-        const kn_limit_axis *x = &f->axis[v];
+    for (int v = 0; v < nvars; v++) {
+        const kn_limit_axis *x = &axis[v];
         degree[v] = x->to, count[v] = (int)kn_limit_count(x);
         knots[v] = kn_scratch(ctx, (size_t)(degree[v] + count[v] + 1), sizeof *knots[v]);
         if (!knots[v]) return KN_ENOMEM;
@@ -362,12 +373,19 @@ static kn_status to_spline(kn_ctx *ctx, kn_spline *out, const fit *f)
             for (int k = 0; k < (s == 0 || s == spans ? x->to + 1 : x->to - 1); k++)
                 knots[v][at++] = (double)s / spans;
     }
-    kn_spline s = {0};
-    kn_status status = kn_spline_init(ctx, &s, a->nvars, a->ncomp, a->rational, degree, count,
-                                      (const double *const *)knots, f->coef);
-    if (status == KN_OK) kn_spline_swap(out, &s);
-    kn_spline_clear(ctx, &s);
-    return status;
+    return kn_spline_init(ctx, out, nvars, a->ncomp, a->rational, degree, count, (const double *const *)knots, coef);
+}
+
+// out: empty; the edge in the surface's direction.
+static kn_status edge_spline(kn_ctx *ctx, kn_spline *out, const kn_bezier *a, const kn_limit_edge *edge)
+{
+    size_t n = kn_limit_count(&edge->axis);
+    for (size_t c = 0; c < (size_t)a->ncomp && edge->turned; c++)
+        for (size_t i = 0; i < n / 2; i++) {
+            double *x = edge->coef + c * n, t = x[i];
+            x[i] = x[n - 1 - i], x[n - 1 - i] = t;
+        }
+    return to_spline(ctx, out, a, 1, &edge->axis, edge->coef);
 }
 
 static kn_status check(kn_ctx *ctx, const kn_bezier *a, const kn_fit_limits *l)
@@ -389,8 +407,46 @@ static kn_status check(kn_ctx *ctx, const kn_bezier *a, const kn_fit_limits *l)
     return KN_OK;
 }
 
-kn_status kn_fit_limit_degree(kn_ctx *ctx, kn_spline *out, kn_fit_limited *report, const kn_bezier *a,
-                              const kn_fit_limits *options)
+static kn_status angles(kn_ctx *ctx, kn_fit_limited *report, const fit *f)
+{
+    kn_status status = KN_OK;
+    for (int e = 0; e < 4 && status == KN_OK; e++) {
+        double angle;
+        status = kn_limit_edge_angle(ctx, &angle, f, f->error, e / 2, e % 2);
+        if (isinf(angle))
+            report->unknown_angles++;
+        else
+            report->angle = fmax(report->angle, angle);
+    }
+    return status;
+}
+
+// The results, whole or not at all.
+static kn_status give(kn_ctx *ctx, kn_spline *out, kn_spline *edges, kn_fit_limited *report, fit *f,
+                      const kn_limit_edge *fitted_edges)
+{
+    kn_spline s = {0}, edge[4] = {{0}, {0}, {0}, {0}};
+    kn_fit_limited r = {.error = 0.0};
+    kn_status status = report ? certify(ctx, f, 0.0, INFINITY) : KN_OK; // as closely as can be
+    r.error = f->error;
+    for (int v = 0; v < f->a->nvars; v++) r.spans[v] = 1 << f->axis[v].level;
+    if (status == KN_OK && report && f->a->nvars == 2 && f->a->ncomp == 3 + f->a->rational)
+        status = angles(ctx, &r, f);
+    if (status == KN_OK) status = to_spline(ctx, &s, f->a, f->a->nvars, f->axis, f->coef);
+    for (int e = 0; e < 4 && edges && f->a->nvars == 2 && status == KN_OK; e++)
+        status = edge_spline(ctx, &edge[e], f->a, &fitted_edges[e]);
+    if (status == KN_OK) {
+        kn_spline_swap(out, &s);
+        for (int e = 0; e < 4 && edges; e++) kn_spline_swap(&edges[e], &edge[e]);
+        if (report) *report = r;
+    }
+    kn_spline_clear(ctx, &s);
+    for (int e = 0; e < 4; e++) kn_spline_clear(ctx, &edge[e]);
+    return status;
+}
+
+kn_status kn_fit_limit_degree(kn_ctx *ctx, kn_spline *out, kn_spline *edges, kn_fit_limited *report,
+                              const kn_bezier *a, const kn_fit_limits *options)
 {
     kn_fit_limits limits = *options;
     if (limits.max_level == 0) limits.max_level = 8;
@@ -399,21 +455,21 @@ kn_status kn_fit_limit_degree(kn_ctx *ctx, kn_spline *out, kn_fit_limited *repor
     if (status != KN_OK) return status;
     fit f;
     bool exact = true;
-    kn_limit_edge edges[4];
+    kn_limit_edge fitted_edges[4];
     begin(&f, a, &limits);
     for (int v = 0; v < a->nvars; v++) exact = exact && is_kept(&f.axis[v]);
-    kn_mark mark = kn_scratch_mark(ctx);
     if (exact) {
         status = kn_spline_of_bezier(ctx, out, a);
-    } else {
-        if (a->nvars == 2) status = fit_edges(ctx, edges, &f);
-        if (status == KN_OK) status = search(ctx, &f, a->nvars == 2 ? edges : NULL);
-        if (status == KN_OK && report) status = certify(ctx, &f, 0.0, INFINITY); // as closely as can be
-        if (status == KN_OK) status = to_spline(ctx, out, &f);
+        if (status != KN_OK) return status;
+        for (int e = 0; e < 4 && edges; e++) kn_spline_clear(ctx, &edges[e]);
+        if (report) *report = (kn_fit_limited){.exact = true};
+        for (int v = 0; v < a->nvars && report; v++) report->spans[v] = 1;
+        return KN_OK;
     }
+    kn_mark mark = kn_scratch_mark(ctx);
+    if (a->nvars == 2) status = fit_edges(ctx, fitted_edges, &f);
+    if (status == KN_OK) status = search(ctx, &f, a->nvars == 2 ? fitted_edges : NULL);
+    if (status == KN_OK) status = give(ctx, out, edges, report, &f, fitted_edges);
     kn_scratch_release(ctx, mark);
-    if (status != KN_OK || !report) return status;
-    *report = (kn_fit_limited){.error = f.error, .exact = exact};
-    for (int v = 0; v < a->nvars; v++) report->spans[v] = 1 << f.axis[v].level;
-    return KN_OK;
+    return status;
 }

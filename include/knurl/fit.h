@@ -148,7 +148,8 @@ typedef struct kn_fit_limits {
     int degree;       // by this one, 3 .. max_degree; 0: 5, or max_degree where that is less
     double tolerance; // > 0, length units: of the distance at equal parameters
     // 0, or a power of two, at most tolerance / 4: control points of polynomial results are multiples of it, so that
-    // knots are inserted without rounding and edges agree exactly also where one side has more spans than the other.
+    // knots are inserted without rounding and edges agree exactly also where one side has more spans than the other;
+    // but not corners and edges of low degree, which stay what they were.
     double quantum;
     int max_level; // of halving in each variable; 0: 8; at most 10
 } kn_fit_limits;
@@ -157,14 +158,23 @@ typedef struct kn_fit_limited {
     double error;           // certified bound of the distance at equal parameters, rounding included; 0: exact
     int spans[KN_MAX_VARS]; // in each variable, equal ones
     bool exact;             // no degree passes the limit: the piece itself
+    // Of surfaces in space: a certified bound of the angle between their normals along the edges, radians, but for
+    // unknown_angles of the four, as where the normal vanishes. Two that share an edge meet at the angle they had, but
+    // for the sum of theirs.
+    double angle;
+    int unknown_angles;
 } kn_fit_limited;
 
 // out = a spline over [0,1]^nvars of degree at most max_degree in each variable, within the tolerance of the piece a,
 // C1 inside. In a variable of lower degree nothing is approximated.
-// out:    corners are a's (to the quantum). An edge of a surface depends on the control points of a's edge and the
-//         limits alone, whichever way it runs: pieces that share an edge bit for bit share the fitted one. The first
-//         derivative across an edge depends on a's derivative across it alone, and on the number of spans: pieces
-//         that join C1 and have the same number along the edge still do. *report: NULL is fine.
+// in:     edges: NULL, or four splines, initialised.
+// out:    corners are a's, bit for bit. An edge of a surface depends on the control points of a's edge and the limits
+//         alone, whichever way it runs: pieces that share an edge bit for bit share the fitted one. edges[0 ..]: r = 0,
+//         r = 1, t = 0, t = 1 as fitted, each on as few spans as it needs by itself, equal bit for bit on both sides up
+//         to the direction; out's ends are these with knots inserted (exactly but for the spans at corners, which may
+//         round; see quantum). Empty where a is exact or no surface. The first derivative across an edge depends on
+//         a's derivative across it alone, and on the number of spans: pieces that join C1 and have the same number
+//         along the edge still do. *report: NULL is fine.
 // fails:  KN_EDOMAIN limits; KN_ELIMIT max_level; KN_EUNDEFINED a control point is not finite; KN_EUNDECIDED more than
 //         2^max_level spans would be needed, or a weight of the fit is not positive; KN_ENOMEM; outputs unchanged.
 // error:  *report's bound is at most 1.25 times the largest distance where halving can show it, from the
@@ -173,7 +183,7 @@ typedef struct kn_fit_limited {
 //         span the elevation of the fit and a difference.
 // source: least squares with end conditions: Lutterkort, Peters & Reif, CAGD 16 (1999); Ahn, Lee, Park & Yoo, CAGD 21
 //         (2004). Edges by themselves: docs/numerics.md, "fit".
-KN_API KN_CHECKED kn_status kn_fit_limit_degree(kn_ctx *ctx, kn_spline *out, kn_fit_limited *report,
+KN_API KN_CHECKED kn_status kn_fit_limit_degree(kn_ctx *ctx, kn_spline *out, kn_spline *edges, kn_fit_limited *report,
                                                 const kn_bezier *a, const kn_fit_limits *limits);
 
 #ifdef __cplusplus

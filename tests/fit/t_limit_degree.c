@@ -2,6 +2,7 @@
 // Fits of limited degree: bounds against long double samples, edges that agree exactly, continuity, failures.
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "tests/fit/check.h"
 
@@ -91,7 +92,7 @@ static void samples_below_bound(void **state)
     kn_ctx *ctx = test_ctx(&memory, 1);
     test_rng rng = test_random(1);
     static const int limits[4][2] = {{3, 3}, {11, 5}, {15, 7}, {11, 11}};
-    for (int run = 0; run < test_scale(24); run++) {
+    for (int run = 0; run < test_scale(12); run++) {
         kn_bezier a = {0};
         kn_spline out = {0};
         kn_fit_limited report;
@@ -100,7 +101,7 @@ static void samples_below_bound(void **state)
         make_sheet(ctx, &a, &rng, test_int(&rng, 4, 24), test_int(&rng, 1, 24), run % 5 == 4);
         kn_fit_limits l = {
             .max_degree = limit[0], .degree = limit[1], .tolerance = tolerance, .quantum = quanta[run % 2]};
-        assert_int_equal(kn_fit_limit_degree(ctx, &out, &report, &a, &l), KN_OK);
+        assert_int_equal(kn_fit_limit_degree(ctx, &out, NULL, &report, &a, &l), KN_OK);
         assert_int_equal(kn_spline_check(ctx, &out), KN_OK);
         double most = 0.0;
         for (int i = 0; i < 400; i++) {
@@ -125,8 +126,20 @@ static void samples_below_bound(void **state)
     test_ctx_end(ctx, &memory);
 }
 
-// Two sheets of different relief share an edge bit for bit, run through either way; so the fits do, to the last bit at
-// every parameter, though they have different spans: all numbers are short dyadic ones, and long double is exact.
+static bool same_numbers(const kn_spline *a, const kn_spline *b, bool turned)
+{
+    size_t n = kn_spline_count(a);
+    if (a->degree[0] != b->degree[0] || n != kn_spline_count(b) || a->ncomp != b->ncomp) return false;
+    for (size_t c = 0; c < (size_t)a->ncomp; c++)
+        for (size_t i = 0; i < n; i++)
+            if (a->coef[c * n + i] != b->coef[c * n + (turned ? n - 1 - i : i)]) return false;
+    return memcmp(a->knots[0], b->knots[0], (n + (size_t)a->degree[0] + 1) * sizeof(double)) == 0; // symmetric
+}
+
+// Two sheets of different relief share an edge bit for bit, run through either way: so do their fitted edges. The ends
+// of the fitted surfaces are the same to the last bit at every parameter, though they have different spans, where
+// corners are short numbers, too: all numbers are then short dyadic ones, and long double is exact. Other corners stay
+// what they are, and inserted knots round in the first and last span.
 static void edges_agree_exactly(void **state)
 {
     (void)state;
@@ -134,44 +147,136 @@ static void edges_agree_exactly(void **state)
     kn_ctx *ctx = test_ctx(&memory, 1);
     test_rng rng = test_random(2);
     int differing = 0;
-    for (int run = 0; run < test_scale(16); run++) {
-        int p = test_int(&rng, 6, 20), q = test_int(&rng, 6, 20), degree = run % 4 == 3 ? 5 : 3;
-        bool turned = run % 2;
+    for (int run = 0; run < test_scale(8); run++) {
+        int p = test_int(&rng, 6, 20), q = test_int(&rng, 6, 16), degree = run % 4 == 3 ? 5 : 3;
+        bool turned = run % 2, short_corners = run % 4 < 2;
         kn_bezier a = {0}, b = {0};
-        kn_spline fit[2] = {{0}, {0}};
+        kn_spline fit[2] = {{0}, {0}}, edge[2][4] = {{{0}, {0}, {0}, {0}}, {{0}, {0}, {0}, {0}}};
         kn_fit_limited report[2];
         make_sheet(ctx, &a, &rng, p, q, false);
-        make_sheet(ctx, &b, &rng, p, test_int(&rng, 6, 20), false);
+        make_sheet(ctx, &b, &rng, p, test_int(&rng, 6, 16), false);
         size_t na = kn_bezier_count(&a), nb = kn_bezier_count(&b), ra = (size_t)q + 1, rb = (size_t)b.degree[1] + 1;
         double wild = run % 3; // b's inside may need many more spans
         for (size_t c = 0; c < 3; c++)
             for (int i = 0; i <= p; i++) {
+                double *at = &a.coef[c * na + (size_t)i * ra + ra - 1];
+                if (short_corners && (i == 0 || i == p)) *at = rint(*at * 0x1p20) * 0x1p-20;
                 for (size_t j = 1; j < rb; j++)
                     if (c == 2) b.coef[c * nb + (size_t)i * rb + j] *= 1.0 + 5.0 * wild;
-                int to = turned ? p - i : i;
-                b.coef[c * nb + (size_t)to * rb] = a.coef[c * na + (size_t)i * ra + ra - 1]; // b's v = 0 is a's v = 1
+                b.coef[c * nb + (size_t)(turned ? p - i : i) * rb] = *at; // b's v = 0 is a's v = 1
             }
-        kn_fit_limits l = {.max_degree = 5 - (degree == 3), .degree = degree, .tolerance = 1e-3, .quantum = 0x1p-20};
-        l.max_degree = 5;
-        assert_int_equal(kn_fit_limit_degree(ctx, &fit[0], &report[0], &a, &l), KN_OK);
-        assert_int_equal(kn_fit_limit_degree(ctx, &fit[1], &report[1], &b, &l), KN_OK);
+        kn_fit_limits l = {.max_degree = 5, .degree = degree, .tolerance = 4e-3, .quantum = 0x1p-20};
+        assert_int_equal(kn_fit_limit_degree(ctx, &fit[0], edge[0], &report[0], &a, &l), KN_OK);
+        assert_int_equal(kn_fit_limit_degree(ctx, &fit[1], edge[1], &report[1], &b, &l), KN_OK);
         differing += report[0].spans[0] != report[1].spans[0];
-        for (int k = 0; k <= 256; k++) {
-            long double x[3], y[3], u = k / 256.0L;
+        assert_true(same_numbers(&edge[0][3], &edge[1][2], turned));
+        for (int k = 0; k <= 128; k++) {
+            long double x[3], y[3], z[3], u = k / 128.0L, at = turned ? 1.0L - u : u;
             spline_at(x, &fit[0], u, 1.0L);
-            spline_at(y, &fit[1], turned ? 1.0L - u : u, 0.0L);
-            for (int c = 0; c < 3; c++) assert_true(x[c] == y[c]);
+            spline_at(y, &fit[1], at, 0.0L);
+            double h = 1.0 / (kn_spline_spans(&edge[0][3], 0));
+            bool inner = (double)u >= h && (double)u <= 1.0 - h;
+            for (size_t c = 0; c < 3; c++) {
+                long double line[512];
+                const kn_spline *e = &edge[0][3];
+                for (int i = 0; i < e->count[0]; i++) line[i] = e->coef[c * kn_spline_count(e) + (size_t)i];
+                z[c] = de_boor(e->knots[0], e->degree[0], e->count[0], line, u);
+                if (short_corners || inner) assert_true(x[c] == y[c] && x[c] == z[c]);
+                // Up to 10 halvings, each a mean of numbers up to 2 that rounds by half an ulp at most.
+                assert_true(fabsl(x[c] - y[c]) <= 20 * 0x1p-53L && fabsl(x[c] - z[c]) <= 20 * 0x1p-53L);
+            }
         }
-        for (int k = 0; k < 2; k++) { // corners: a's, on the quantum
-            long double x[3];
-            spline_at(x, &fit[0], k, 1.0L);
-            for (size_t c = 0; c < 3; c++)
-                assert_true((double)x[c] == rint(a.coef[c * na + (size_t)(k * p) * ra + ra - 1] * 0x1p20) * 0x1p-20);
-        }
+        for (int k = 0; k < 2; k++) // corners: a's
+            for (size_t c = 0; c < 3; c++) {
+                size_t n = kn_spline_count(&fit[0]), row = (size_t)fit[0].count[1];
+                assert_true(fit[0].coef[c * n + (k ? n - 1 : row - 1)] == a.coef[c * na + (k ? na - 1 : ra - 1)]);
+            }
         kn_bezier_clear(ctx, &a), kn_bezier_clear(ctx, &b);
-        kn_spline_clear(ctx, &fit[0]), kn_spline_clear(ctx, &fit[1]);
+        for (int k = 0; k < 2; k++) {
+            kn_spline_clear(ctx, &fit[k]);
+            for (int e = 0; e < 4; e++) kn_spline_clear(ctx, &edge[k][e]);
+        }
     }
     assert_true(differing > 0);
+    test_ctx_end(ctx, &memory);
+}
+
+// An edge whose degree is low enough stays as it is, bit for bit, though the surface is limited across it: its other
+// face may be exact.
+static void kept_edges_stay(void **state)
+{
+    (void)state;
+    test_memory memory = TEST_MEMORY_INIT;
+    kn_ctx *ctx = test_ctx(&memory, 1);
+    test_rng rng = test_random(6);
+    kn_bezier a = {0};
+    kn_spline out = {0}, edge[4] = {{0}, {0}, {0}, {0}};
+    kn_fit_limits l = {.max_degree = 5, .tolerance = 1e-2, .quantum = 0x1p-20};
+    make_sheet(ctx, &a, &rng, 4, 12, false);
+    assert_int_equal(kn_fit_limit_degree(ctx, &out, edge, NULL, &a, &l), KN_OK);
+    size_t na = kn_bezier_count(&a), n = kn_spline_count(&out), m = (size_t)out.count[1];
+    assert_int_equal(out.count[0], 5);
+    for (size_t c = 0; c < 3; c++)
+        for (size_t i = 0; i < 5; i++)
+            for (size_t k = 0; k < 2; k++) {
+                double x = a.coef[c * na + i * 13 + 12 * k];
+                assert_true(edge[2 + k].coef[c * 5 + i] == x && out.coef[c * n + i * m + (m - 1) * k] == x);
+            }
+    kn_bezier_clear(ctx, &a);
+    kn_spline_clear(ctx, &out);
+    for (int e = 0; e < 4; e++) kn_spline_clear(ctx, &edge[e]);
+    test_ctx_end(ctx, &memory);
+}
+
+// The angle between normals along the edges at samples, by evaluation of derivatives.
+static double sampled_angle(kn_ctx *ctx, const kn_bezier *a, const kn_spline *out)
+{
+    double most = 0.0;
+    for (int i = 0; i < 400; i++) {
+        double along = (i / 4) / 99.0, at[2] = {i % 4 < 2 ? i % 2 : along, i % 4 < 2 ? along : i % 2}, d[2][9];
+        double n[2][3], x[3];
+        assert_int_equal(kn_bezier_derivatives(ctx, d[0], a, at, 1), KN_OK);
+        assert_int_equal(kn_spline_derivatives(ctx, d[1], out, at, 1), KN_OK);
+        for (int k = 0; k < 2; k++)
+            for (int c = 0; c < 3; c++) {
+                const double *r = d[k] + 3, *t = d[k] + 6;
+                n[k][c] = r[(c + 1) % 3] * t[(c + 2) % 3] - r[(c + 2) % 3] * t[(c + 1) % 3];
+            }
+        for (int c = 0; c < 3; c++)
+            x[c] = n[0][(c + 1) % 3] * n[1][(c + 2) % 3] - n[0][(c + 2) % 3] * n[1][(c + 1) % 3];
+        double dot = n[0][0] * n[1][0] + n[0][1] * n[1][1] + n[0][2] * n[1][2];
+        most = fmax(most, atan2(sqrt(x[0] * x[0] + x[1] * x[1] + x[2] * x[2]), dot));
+    }
+    return most;
+}
+
+// Normals along the edges turn by no more than is said, and what is said is not far above. A pole has no normal.
+static void angles_are_bounded(void **state)
+{
+    (void)state;
+    test_memory memory = TEST_MEMORY_INIT;
+    kn_ctx *ctx = test_ctx(&memory, 1);
+    test_rng rng = test_random(7);
+    for (int run = 0; run < test_scale(8); run++) {
+        kn_bezier a = {0};
+        kn_spline out = {0};
+        kn_fit_limited report;
+        kn_fit_limits l = {.max_degree = run % 2 ? 5 : 3, .tolerance = run % 4 < 2 ? 1e-2 : 1e-4};
+        make_sheet(ctx, &a, &rng, test_int(&rng, 6, 12), test_int(&rng, 4, 12), run % 4 == 3);
+        size_t n = kn_bezier_count(&a), m = (size_t)a.degree[1] + 1;
+        bool pole = run == 4;
+        for (size_t c = 0; c < 3; c++)
+            for (size_t j = 0; j < m && pole; j++) a.coef[c * n + j] = 0.0;
+        assert_int_equal(kn_fit_limit_degree(ctx, &out, NULL, &report, &a, &l), KN_OK);
+        // A pole is a place without a normal of the two edges that end there, too.
+        assert_int_equal(report.unknown_angles, pole ? 3 : 0);
+        if (!pole) {
+            double most = sampled_angle(ctx, &a, &out);
+            assert_true(most > 0.0 && most <= report.angle && report.angle <= 12.0 * most);
+        }
+        kn_bezier_clear(ctx, &a);
+        kn_spline_clear(ctx, &out);
+    }
     test_ctx_end(ctx, &memory);
 }
 
@@ -202,7 +307,8 @@ static void smooth_joints_stay(void **state)
         make_sheet(ctx, &a, &rng, test_int(&rng, 6, 20), test_int(&rng, 6, 20), false);
         assert_int_equal(kn_bezier_subdivide(ctx, &half[0], &half[1], &a, 1, 0.5), KN_OK);
         kn_fit_limits l = {.max_degree = 3, .tolerance = 1e-3};
-        for (int k = 0; k < 2; k++) assert_int_equal(kn_fit_limit_degree(ctx, &fit[k], NULL, &half[k], &l), KN_OK);
+        for (int k = 0; k < 2; k++)
+            assert_int_equal(kn_fit_limit_degree(ctx, &fit[k], NULL, NULL, &half[k], &l), KN_OK);
         if (fit[0].count[0] == fit[1].count[0]) {
             double one[3 * 512], two[3 * 512];
             size_t n = 3 * (size_t)fit[0].count[0];
@@ -233,14 +339,14 @@ static void kinds(void **state)
     kn_fit_limited report;
     kn_fit_limits l = {.max_degree = 7, .tolerance = 1e-2};
     make_sheet(ctx, &a, &rng, 7, 5, false);
-    assert_int_equal(kn_fit_limit_degree(ctx, &out, &report, &a, &l), KN_OK);
+    assert_int_equal(kn_fit_limit_degree(ctx, &out, NULL, &report, &a, &l), KN_OK);
     assert_true(report.exact && report.error == 0.0 && report.spans[0] == 1 && report.spans[1] == 1);
     assert_memory_equal(out.coef, a.coef, 3 * kn_bezier_count(&a) * sizeof *a.coef);
     kn_bezier_clear(ctx, &a);
     for (int nvars = 1; nvars <= 3; nvars += 2) {
         assert_int_equal(kn_bezier_init(ctx, &a, nvars, 3, false, (int[]){9, 2, 8}), KN_OK);
         for (size_t i = 0; i < 3 * kn_bezier_count(&a); i++) a.coef[i] = test_uniform(&rng, -1.0, 1.0);
-        assert_int_equal(kn_fit_limit_degree(ctx, &out, &report, &a, &l), KN_OK);
+        assert_int_equal(kn_fit_limit_degree(ctx, &out, NULL, &report, &a, &l), KN_OK);
         assert_true(!report.exact && report.error <= 1e-2 && out.nvars == nvars);
         for (int i = 0; i < 200; i++) {
             double at[3], x[3], y[3], sum = 0.0;
@@ -282,13 +388,13 @@ static void failures(void **state)
     };
     kn_fit_limited report = {.error = -1.0};
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-        assert_int_equal(kn_fit_limit_degree(ctx, &out, &report, &a, &cases[i].limits), cases[i].status);
+        assert_int_equal(kn_fit_limit_degree(ctx, &out, NULL, &report, &a, &cases[i].limits), cases[i].status);
         assert_true(out.coef == NULL && report.error == -1.0);
     }
     kn_fit_limits l = {.max_degree = 3, .tolerance = 1e-2};
-    assert_int_equal(kn_fit_limit_degree(ctx, &out, &report, &empty, &l), KN_EDOMAIN);
+    assert_int_equal(kn_fit_limit_degree(ctx, &out, NULL, &report, &empty, &l), KN_EDOMAIN);
     a.coef[7] = NAN;
-    assert_int_equal(kn_fit_limit_degree(ctx, &out, &report, &a, &l), KN_EUNDEFINED);
+    assert_int_equal(kn_fit_limit_degree(ctx, &out, NULL, &report, &a, &l), KN_EUNDEFINED);
     kn_bezier_clear(ctx, &a);
     test_ctx_end(ctx, &memory);
 }
@@ -296,13 +402,15 @@ static void failures(void **state)
 static kn_status starved(kn_ctx *ctx, void *user)
 {
     kn_bezier a = {0};
-    kn_spline out = {0};
+    kn_spline out = {0}, edge[4] = {{0}, {0}, {0}, {0}};
+    kn_fit_limited report = {.error = -1.0};
     (void)user;
     kn_status status = kn_bezier_init(ctx, &a, 2, 3, false, (int[]){6, 5});
     for (size_t i = 0; status == KN_OK && i < 3 * kn_bezier_count(&a); i++) a.coef[i] = sin((double)i);
     kn_fit_limits l = {.max_degree = 3, .tolerance = 0.05};
-    if (status == KN_OK) status = kn_fit_limit_degree(ctx, &out, NULL, &a, &l);
-    if (status != KN_OK) assert_null(out.coef);
+    if (status == KN_OK) status = kn_fit_limit_degree(ctx, &out, edge, &report, &a, &l);
+    if (status != KN_OK) assert_true(!out.coef && !edge[0].coef && report.error == -1.0);
+    for (int e = 0; e < 4; e++) kn_spline_clear(ctx, &edge[e]);
     kn_bezier_clear(ctx, &a);
     kn_spline_clear(ctx, &out);
     return status;
@@ -319,6 +427,8 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(samples_below_bound),
         cmocka_unit_test(edges_agree_exactly),
+        cmocka_unit_test(kept_edges_stay),
+        cmocka_unit_test(angles_are_bounded),
         cmocka_unit_test(smooth_joints_stay),
         cmocka_unit_test(kinds),
         cmocka_unit_test(failures),
