@@ -102,7 +102,12 @@ kn_status kn_patch_line(kn_ctx *ctx, double *points, const kn_patch *patch)
     kn_mark mark = kn_scratch_mark(ctx);
     double *at = kn_scratch(ctx, n, sizeof *at);
     kn_status status = at ? KN_OK : KN_ENOMEM;
-    for (size_t i = 0; at && i < n; i++) at[i] = (double)i / (double)(n - 1);
+    double lo = 0.0, hi = 1.0;
+    if (patch->spline) kn_spline_domain(patch->spline, 0, &lo, &hi); // models keep theirs (kn_stream_model)
+    for (size_t i = 0; at && i < n; i++) {
+        double x = (double)i / (double)(n - 1);
+        at[i] = i + 1 < n ? lo + (hi - lo) * x : hi;
+    }
     if (status == KN_OK && patch->spline) status = kn_spline_eval_batch(ctx, points, patch->spline, n, at);
     if (status == KN_OK && !patch->spline) status = kn_bezier_eval_batch(ctx, points, &patch->bezier, n, at);
     kn_scratch_release(ctx, mark);

@@ -93,6 +93,34 @@ KN_API KN_CHECKED kn_status kn_collect_sink(kn_ctx *ctx, kn_sink *out, kn_model 
 // Writes nothing. bytes: of the patches' coefficients as doubles.
 KN_API KN_CHECKED kn_status kn_null_sink(kn_ctx *ctx, kn_sink *out);
 
+// ---- for receivers of low degrees ----
+typedef struct kn_limit_options {
+    int max_degree;   // 3 .. KN_MAX_DEGREE: what a receiver takes, in each variable
+    double tolerance; // > 0, length units
+} kn_limit_options;
+typedef struct kn_limit_summary {
+    size_t exact, limited; // patches that went on as they came, and those that were replaced
+    double error; // certified: no point of a limited patch is further from the exact one, at equal parameters
+    // Certified, radians: between the normals of a limited patch and of the exact one along its edges, but for
+    // unknown_angles edges, as where the normal vanishes. What joined smoothly does so within twice that.
+    double angle;
+    size_t unknown_angles;
+    int degree[2];                // largest that went on, in r and t; of volumes, of all variables
+    size_t spans, control_points; // of all patches that went on
+} kn_limit_summary;
+// A sink before n others, at least one, which get each patch whose degrees are all at most max_degree as it is, and in
+// the place of others splines (kn_patch.spline, .edge) of degree up to 5 within the tolerance (kn_fit_limit_degree;
+// quantum 2^floor(log2(tolerance / 1024))), which are not exact. Volumes come as those of their faces that are not
+// hidden. Trims stay what they are, in the plane of parameters; meshes pass. The report is told fit_degree and
+// fit_tolerance where its degrees are above the limit.
+// in:     sinks: out's on success, which closes them; the caller's after a failure. summary: NULL, or where it stands
+//         after each commit, until the sink is closed.
+// fails:  KN_EDOMAIN options, n, sinks without commit; KN_EUNDECIDED a patch needs more than 2^8 spans (the message
+//         names it); what the sinks answer. save and restore where all of them have them.
+// memory: the limited patches of the blocks in flight. cost: 0.2 to 5 ms for a patch that is limited.
+KN_API KN_CHECKED kn_status kn_limit_sink(kn_ctx *ctx, kn_sink *out, const kn_sink *sinks, int n,
+                                          const kn_limit_options *options, kn_limit_summary *summary);
+
 // kn_job_run, or of several layers kn_job_run_layers, that can be interrupted: at once, and every `seconds` (0: 5;
 // negative: after each block), how far it is goes to the file at `journal` (by convention the output's path and
 // ".journal"), which is replaced in one step, and removed when all went well. After a failure, a cancellation, or the
@@ -105,6 +133,29 @@ KN_API KN_CHECKED kn_status kn_null_sink(kn_ctx *ctx, kn_sink *out);
 KN_API KN_CHECKED kn_status kn_run_with_journal(kn_ctx *ctx, const kn_job *const *jobs, int njobs, kn_sink *sinks,
                                                 int nsinks, const char *journal, bool resume, double seconds,
                                                 uint64_t identity);
+
+// ---- what no job composed, through the same sinks ----
+
+// Sends patches to sinks as a job would: begin, blocks in order, end. The sinks are not closed.
+// in:     patches: n, each with a look that is a part of the tile; size: for sinks that ask for the size of a cell,
+//         length units; 0: 1.
+// fails:  KN_EDOMAIN a look that is none, a sink without commit; what the sinks answer; KN_ECANCELLED.
+KN_API KN_CHECKED kn_status kn_stream_patches(kn_ctx *ctx, const kn_tile *tile, const kn_patch *patches, size_t n,
+                                              double size, kn_sink *sinks, int nsinks);
+// Zero means the default in every field.
+typedef struct kn_stream_options {
+    double mesh_tol;   // chord height of tessellations, length units; 0: a thousandth of the box's diagonal
+    bool split;        // at knots where a spline is not C1: what CAD systems want
+    bool unit_domains; // variables run from 0 to 1, and not as they do in the model
+} kn_stream_options;
+// The splines and the mesh of a model as patches: surface i of the base is spline i, all of one part of this name.
+// in:     what lies in the plane goes to z = 0; splines in other dimensions, and of more than three variables, are
+//         left out.
+// fails:  KN_EDOMAIN the tolerance, nothing that lies in space; as kn_stream_patches; KN_ENOMEM.
+// error:  none, but for the knots of unit domains; the chord height is measured by control points, and for rational
+//         splines about right.
+KN_API KN_CHECKED kn_status kn_stream_model(kn_ctx *ctx, const kn_model *model, const char *name,
+                                            const kn_stream_options *options, kn_sink *sinks, int nsinks);
 
 // One layer as an SVG drawing in millimetres: closed contours filled (nonzero), open ones as thin red lines.
 typedef struct kn_svg_options {

@@ -1,0 +1,286 @@
+// SPDX-License-Identifier: Apache-2.0
+// Patches and models that no job composed, through the sinks of jobs.
+#include <knurl/io.h>
+
+#include "io/split.h"
+#include "kernel/context.h"
+
+#include <math.h>
+#include <stdio.h>
+
+enum { BLOCK = 64, MOST_SEGMENTS = 128 };
+
+// ---- patches ----
+
+static void count_patch(kn_job_report *r, const kn_patch *patch)
+{
+    kn_spline s = kn_patch_spline(patch);
+    if (patch->mesh) {
+        r->meshes++;
+        r->triangles += patch->mesh->ntriangles;
+        return;
+    }
+    r->control_points += kn_spline_count(&s);
+    r->curves += s.nvars == 1;
+    r->volumes += s.nvars == 3;
+    for (int d = 0; d < s.nvars; d++)
+        for (int k = 0; k < 2; k++) // of volumes the largest of all counts for both
+            if ((s.nvars == 3 || d == k) && s.degree[d] > r->degree[k]) r->degree[k] = s.degree[d];
+    const size_t n[3] = {(size_t)patch->segments[0], (size_t)patch->segments[1], (size_t)patch->segments[2]};
+    if (s.nvars == 2) r->triangles += 2 * n[0] * n[1];
+    if (s.nvars == 3) r->triangles += 4 * (n[0] * n[1] + n[0] * n[2] + n[1] * n[2]);
+    if (!patch->trim) return;
+    size_t spans = 0;
+    for (int i = 0; i < patch->trim->ncurves; i++)
+        spans += (size_t)kn_spline_spans(&patch->trim->curves[i], 0) * (patch->trim->curves[i].degree[0] > 1 ? 8 : 1);
+    if ((size_t)patch->trim->ncurves > r->trim_curves) r->trim_curves = (size_t)patch->trim->ncurves;
+    if (spans > r->trim_spans) r->trim_spans = spans;
+}
+
+static kn_job_report survey(const kn_patch *patches, size_t n)
+{
+    kn_job_report r = {.nsurfaces = 1, .nparts = 1, .cells = 1, .patches = n, .exact_patches = n, .cell_size = 1.0};
+    for (size_t i = 0; i < n; i++) {
+        count_patch(&r, &patches[i]);
+        if (patches[i].id.surface >= r.nsurfaces) r.nsurfaces = patches[i].id.surface + 1;
+    }
+    r.max_degree = r.degree[0] > r.degree[1] ? r.degree[0] : r.degree[1];
+    return r;
+}
+
+static kn_status send(kn_ctx *ctx, kn_sink *sink, const kn_patch_block *block)
+{
+    void *product = NULL;
+    kn_status status = sink->work ? sink->work(ctx, sink->user, block, &product) : KN_OK;
+    return status == KN_OK ? sink->commit(ctx, sink->user, block, product) : status;
+}
+
+kn_status kn_stream_patches(kn_ctx *ctx, const kn_tile *tile, const kn_patch *patches, size_t n, double size,
+                            kn_sink *sinks, int nsinks)
+{
+    kn_status status = KN_OK;
+    kn_job_report report = survey(patches, n);
+    if (size > 0.0) report.cell_size = size;
+    for (int k = 0; k < nsinks; k++)
+        if (!sinks[k].commit) return kn_fail(ctx, KN_EDOMAIN, "stream: sink %d has no commit", k);
+    for (size_t i = 0; i < n; i++)
+        if (patches[i].look < 0 || patches[i].look >= tile->nparts)
+            return kn_fail(ctx, KN_EDOMAIN, "stream: patch %zu of part %d, of %d", i, patches[i].look, tile->nparts);
+    for (int k = 0; status == KN_OK && k < nsinks; k++)
+        if (sinks[k].begin) status = sinks[k].begin(ctx, sinks[k].user, tile, &report);
+    for (size_t at = 0; status == KN_OK && at < n; at += BLOCK) {
+        const kn_patch_block block = {at, n - at < BLOCK ? n - at : BLOCK, patches + at};
+        status = kn_progress(ctx, "writing", (double)at / (double)n);
+        for (int k = 0; status == KN_OK && k < nsinks; k++) status = send(ctx, &sinks[k], &block);
+    }
+    for (int k = 0; status == KN_OK && k < nsinks; k++)
+        if (sinks[k].end) status = sinks[k].end(ctx, sinks[k].user);
+    return status;
+}
+
+// ---- models ----
+
+// What is made of a model: splines of its own, and patches of them.
+typedef struct stream {
+    kn_spline *splines;
+    kn_patch *patches;
+    kn_mesh mesh;
+    size_t nsplines, room, npatches;
+    double lo[3], hi[3];
+    int segments; // of a span
+} stream;
+
+static void grow(stream *s, const double *p)
+{
+    for (int c = 0; c < 3; c++) {
+        if (p[c] < s->lo[c]) s->lo[c] = p[c];
+        if (p[c] > s->hi[c]) s->hi[c] = p[c];
+    }
+}
+
+static kn_status keep(kn_ctx *ctx, stream *s, kn_spline *spline)
+{
+    if (s->nsplines == s->room) {
+        size_t room = 2 * s->room + 8;
+        kn_spline *larger = kn_resize(ctx, s->splines, room, sizeof *larger);
+        if (!larger) return KN_ENOMEM;
+        s->splines = larger, s->room = room;
+    }
+    s->splines[s->nsplines++] = *spline;
+    *spline = (kn_spline){0};
+    return KN_OK;
+}
+
+static kn_status keep_piece(kn_ctx *ctx, void *user, kn_spline *piece)
+{
+    return keep(ctx, user, piece);
+}
+
+static kn_status normalise(kn_ctx *ctx, kn_spline *s)
+{
+    kn_status status = KN_OK;
+    for (int d = 0; status == KN_OK && d < s->nvars; d++) {
+        double lo, hi;
+        kn_spline_domain(s, d, &lo, &hi);
+        if (lo != 0.0 || hi != 1.0) status = kn_spline_reparameterize(ctx, s, s, d, 0.0, 1.0);
+    }
+    return status;
+}
+
+// What lies in the plane is taken to lie in z = 0; what lies elsewhere, or has more variables, is left out.
+static kn_status take(kn_ctx *ctx, stream *s, const kn_spline *from, const kn_stream_options *o)
+{
+    static const double lift[6] = {1, 0, 0, 1, 0, 0};
+    int dim = kn_spline_dim(from);
+    if (from->nvars < 1 || from->nvars > 3 || dim < 2 || dim > 3) return KN_OK;
+    kn_spline own = {0};
+    double lo[3], hi[3];
+    kn_status status = dim == 2 ? kn_spline_affine(ctx, &own, from, 3, lift, NULL) : kn_spline_copy(ctx, &own, from);
+    if (status == KN_OK && o->unit_domains) status = normalise(ctx, &own);
+    if (status == KN_OK) status = kn_spline_box(ctx, lo, hi, &own);
+    if (status == KN_OK) grow(s, lo), grow(s, hi);
+    if (status == KN_OK) status = o->split ? kn_split_kinks(ctx, s, keep_piece, &own) : keep(ctx, s, &own);
+    kn_spline_clear(ctx, &own);
+    return status;
+}
+
+// ---- how finely a model is tessellated ----
+
+// Over a box of 1/n of a piece in each direction the surface is within p (p - 1) / 8 |D2| / n^2 of what is linear along
+// a variable of degree p, and p q / 4 |D11| / n^2 of what is bilinear, the D second differences of control points. Of
+// rational pieces projected points stand for these: about right.
+static double bend(const kn_bezier *b)
+{
+    size_t n = kn_bezier_count(b), stride[3] = {1, 1, 1};
+    double sum = 0.0;
+    for (int d = b->nvars - 2; d >= 0; d--) stride[d] = stride[d + 1] * (size_t)(b->degree[d + 1] + 1);
+    for (int d = 0; d < b->nvars; d++)
+        for (int e = d; e < b->nvars; e++) {
+            double most = 0.0, p = b->degree[d], q = b->degree[e];
+            for (size_t k = 0; k < n; k++) {
+                int i = (int)(k / stride[d]) % (b->degree[d] + 1), j = (int)(k / stride[e]) % (b->degree[e] + 1);
+                if (i + 1 + (d == e) > b->degree[d] || j + 1 > b->degree[e]) continue;
+                size_t at[4] = {k, k + stride[d], k + stride[e], k + stride[d] + stride[e]};
+                double square = 0.0;
+                for (size_t c = 0; c < 3; c++) {
+                    double x[4];
+                    for (int m = 0; m < 4; m++)
+                        x[m] = b->coef[c * n + at[m]] / (b->rational ? b->coef[3 * n + at[m]] : 1.0);
+                    square += (x[0] - x[1] - x[2] + x[3]) * (x[0] - x[1] - x[2] + x[3]);
+                }
+                most = fmax(most, sqrt(square));
+            }
+            sum += d == e ? p * (p - 1.0) / 8.0 * most : p * q / 4.0 * most;
+        }
+    return sum;
+}
+
+// One number for all, so that neighbours meet.
+static kn_status choose_segments(kn_ctx *ctx, stream *s, double tol)
+{
+    double most = 0.0;
+    kn_status status = KN_OK;
+    for (size_t i = 0; status == KN_OK && i < s->nsplines; i++) {
+        kn_bezier *pieces = NULL;
+        size_t n = 0;
+        status = kn_spline_to_bezier(ctx, &pieces, &n, &s->splines[i]);
+        for (size_t k = 0; k < n; k++) {
+            most = fmax(most, bend(&pieces[k]));
+            kn_bezier_clear(ctx, &pieces[k]);
+        }
+        kn_free(ctx, pieces);
+    }
+    double segments = ceil(sqrt(most / tol));
+    s->segments = segments > MOST_SEGMENTS ? MOST_SEGMENTS : segments >= 1.0 ? (int)segments : 1;
+    return status;
+}
+
+// ---- meshes ----
+
+// Sums of the normals of the triangles around a vertex, weighted by their areas.
+static kn_status copy_mesh(kn_ctx *ctx, kn_mesh *out, const kn_mesh *mesh)
+{
+    kn_status status = kn_mesh_copy(ctx, out, mesh);
+    if (status != KN_OK || out->normal) return status;
+    out->normal = kn_alloc_zero(ctx, out->vertex_room ? out->vertex_room : 1, 3 * sizeof(double));
+    if (!out->normal) return KN_ENOMEM;
+    for (size_t t = 0; t < out->ntriangles; t++) {
+        const uint32_t *v = out->triangle + 3 * t;
+        const double *a = out->position + 3 * (size_t)v[0], *b = out->position + 3 * (size_t)v[1],
+                     *c = out->position + 3 * (size_t)v[2];
+        for (int k = 0; k < 3; k++) {
+            int y = (k + 1) % 3, z = (k + 2) % 3;
+            double n = (b[y] - a[y]) * (c[z] - a[z]) - (b[z] - a[z]) * (c[y] - a[y]);
+            for (int i = 0; i < 3; i++) out->normal[3 * (size_t)v[i] + (size_t)k] += n;
+        }
+    }
+    for (size_t i = 0; i < out->nvertices; i++) {
+        double *n = out->normal + 3 * i, length = sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
+        for (int k = 0; k < 3; k++) n[k] = length > 0.0 ? n[k] / length : k == 2;
+    }
+    return KN_OK;
+}
+
+static kn_status make_patches(kn_ctx *ctx, stream *s)
+{
+    s->npatches = s->nsplines + (s->mesh.ntriangles > 0);
+    s->patches = kn_alloc_zero(ctx, s->npatches ? s->npatches : 1, sizeof *s->patches);
+    if (!s->patches) return KN_ENOMEM;
+    for (size_t i = 0; i < s->npatches; i++) {
+        kn_patch *p = &s->patches[i];
+        p->exact = true;
+        p->id.surface = (int)i;
+        if (i == s->nsplines) {
+            p->mesh = &s->mesh;
+            continue;
+        }
+        p->spline = &s->splines[i];
+        for (int d = 0; d < p->spline->nvars; d++) p->segments[d] = s->segments * kn_spline_spans(p->spline, d);
+    }
+    return KN_OK;
+}
+
+static void clear(kn_ctx *ctx, stream *s)
+{
+    for (size_t i = 0; i < s->nsplines; i++) kn_spline_clear(ctx, &s->splines[i]);
+    kn_free(ctx, s->splines);
+    kn_free(ctx, s->patches);
+    kn_mesh_clear(ctx, &s->mesh);
+}
+
+static kn_status run(kn_ctx *ctx, stream *s, const char *name, kn_sink *sinks, int nsinks)
+{
+    kn_tile tile = {0};
+    double size = 0.0;
+    for (int c = 0; c < 3; c++) size = fmax(size, s->hi[c] - s->lo[c]);
+    kn_status status = kn_tile_init(ctx, &tile, "model", 1);
+    if (status == KN_OK) {
+        (void)snprintf(tile.parts[0].name, sizeof tile.parts[0].name, "%s", name);
+        tile.parts[0].material = (kn_material){{0.60, 0.60, 0.60}, 0.0, 0.5};
+        status = kn_stream_patches(ctx, &tile, s->patches, s->npatches, size, sinks, nsinks);
+    }
+    kn_tile_clear(ctx, &tile);
+    return status;
+}
+
+kn_status kn_stream_model(kn_ctx *ctx, const kn_model *model, const char *name, const kn_stream_options *options,
+                          kn_sink *sinks, int nsinks)
+{
+    kn_stream_options o = options ? *options : (kn_stream_options){0};
+    if (!(o.mesh_tol >= 0.0 && isfinite(o.mesh_tol)))
+        return kn_fail(ctx, KN_EDOMAIN, "stream: tolerance %g", o.mesh_tol);
+    stream s = {.lo = {INFINITY, INFINITY, INFINITY}, .hi = {-INFINITY, -INFINITY, -INFINITY}};
+    kn_status status = KN_OK;
+    for (int i = 0; status == KN_OK && i < model->nsplines; i++) status = take(ctx, &s, &model->splines[i], &o);
+    for (size_t i = 0; i < model->mesh.nvertices; i++) grow(&s, model->mesh.position + 3 * i);
+    if (status == KN_OK && model->mesh.ntriangles > 0) status = copy_mesh(ctx, &s.mesh, &model->mesh);
+    if (status == KN_OK && s.nsplines == 0 && s.mesh.ntriangles == 0)
+        status = kn_fail(ctx, KN_EDOMAIN, "stream: %s: nothing that lies in space", name);
+    double diagonal = sqrt(pow(s.hi[0] - s.lo[0], 2) + pow(s.hi[1] - s.lo[1], 2) + pow(s.hi[2] - s.lo[2], 2));
+    double tol = o.mesh_tol > 0.0 ? o.mesh_tol : 1e-3 * diagonal;
+    if (status == KN_OK) status = choose_segments(ctx, &s, tol);
+    if (status == KN_OK) status = make_patches(ctx, &s);
+    if (status == KN_OK) status = run(ctx, &s, name, sinks, nsinks);
+    clear(ctx, &s);
+    return status;
+}
