@@ -65,7 +65,7 @@ HEADER_cairo := cairo/cairo.h
 LIBS_cairo := -lcairo
 HEADER_occt := opencascade/Standard_Version.hxx
 CPP_occt := -isystem /usr/include/opencascade
-LIBS_occt := -lTKXDESTEP -lTKXCAF -lTKLCAF -lTKCAF -lTKVCAF -lTKCDF -lTKSTEP -lTKSTEP209 -lTKSTEPAttr -lTKSTEPBase -lTKXSBase \
+LIBS_occt := -lTKXDESTEP -lTKXDEIGES -lTKIGES -lTKXCAF -lTKLCAF -lTKCAF -lTKVCAF -lTKCDF -lTKSTEP -lTKSTEP209 -lTKSTEPAttr -lTKSTEPBase -lTKXSBase \
   -lTKShHealing -lTKBO -lTKTopAlgo -lTKGeomAlgo -lTKBRep -lTKGeomBase -lTKG3d -lTKG2d -lTKMath -lTKernel
 HEADER_lib3mf := lib3mf/Model/COM/NMR_DLLInterfaces.h
 CPP_lib3mf := -isystem /usr/include/lib3mf
@@ -109,14 +109,16 @@ BRIDGE_LINK := $(foreach b,$(BRIDGES),$(LIBS_$(b))) $(if $(BRIDGES),-lstdc++)
 WITH := $(foreach b,$(BRIDGES),-DKN_WITH_$(shell echo $(b) | tr a-z A-Z)=1)
 SHARED := $(if $(filter release debug,$(config)),$(B)/libknurl.so.$(VERSION))
 KNURL := $(if $(CLI_SRC),$(B)/knurl)
+CAD_SRC := $(if $(filter occt,$(BRIDGES)),$(wildcard bridges/occt/program/*.cpp)) # a program beside knurl, which runs it
+KNURL_CAD := $(if $(CAD_SRC),$(B)/knurl-cad)
 TESTS := $(if $(filter cmocka,$(FOUND)),$(patsubst %.c,$(B)/%,$(filter-out $(if $(KNURL),,tests/cli/%),$(TEST_SRC))))
 BENCH_MAIN := $(if $(BENCH_SRC),$(shell grep -l '^int main' $(BENCH_SRC))) # the others are shared by all of them
 BENCHES := $(patsubst %.c,$(B)/%,$(BENCH_MAIN))
 FUZZERS := $(patsubst %.c,$(B)/%,$(FUZZ_SRC))
-ALL_SRC := $(LIB_SRC) $(BRIDGE_SRC) $(CLI_SRC) $(TEST_SRC) $(SUPPORT_SRC) $(HELPER_SRC) $(BENCH_SRC) $(wildcard tests/fuzz/*.c)
+ALL_SRC := $(LIB_SRC) $(BRIDGE_SRC) $(CAD_SRC) $(CLI_SRC) $(TEST_SRC) $(SUPPORT_SRC) $(HELPER_SRC) $(BENCH_SRC) $(wildcard tests/fuzz/*.c)
 
 .PHONY: all lib tests benches fuzzers bench
-all: lib $(KNURL)
+all: lib $(KNURL) $(KNURL_CAD)
 lib: $(LIB) $(SHARED)
 tests: $(TESTS)
 benches: $(BENCHES)
@@ -173,6 +175,10 @@ $(B)/knurl: $(call objects,$(CLI_SRC)) $(BRIDGE_LIBS) $(LIB)
 	$(call say,LINK,$@)
 	$(Q)$(CC) $(ALL_LDFLAGS) -o $@ $^ $(BRIDGE_LINK) $(if $(filter jansson,$(FOUND)),-ljansson) $(LIBS)
 
+$(B)/knurl-cad: $(call objects,$(CAD_SRC)) $(B)/libknurl_occt.a $(LIB)
+	$(call say,LINK,$@)
+	$(Q)$(CXX) $(ALL_LDFLAGS) -o $@ $^ $(LIBS_occt) $(LIBS)
+
 # ---- built-in tiles: files of data/tiles become constant bytes in the library ----
 EMBEDDED := $(sort $(shell find data/tiles -type f -name '*.g2' 2>/dev/null))
 $(call noted,embed.list,$(EMBEDDED))
@@ -226,7 +232,7 @@ $(foreach d,$(sort $(patsubst tests/%/,%,$(dir $(TEST_SRC)))),$(eval $(call test
 
 
 .PHONY: test test-built
-test: tests $(KNURL)
+test: tests $(KNURL) $(KNURL_CAD)
 	$(Q)$(MAKE) test-built
 test-built: # runs what there is, also when some of it did not build: a missing program is a failure
 	$(Q)KNURL=$(abspath $(KNURL)) tests/run.sh $(B)/test-logs $(JOBS) $(TESTS)
@@ -284,7 +290,7 @@ format:
 
 # clang-tidy file by file, again only when the file, a header or the configuration changed.
 LINT_C := $(LIB_SRC) $(CLI_SRC) $(TEST_SRC) $(SUPPORT_SRC) $(HELPER_SRC) $(BENCH_SRC) $(wildcard tests/fuzz/*.c examples/*/*.c)
-LINT_CXX := $(filter %.cpp,$(BRIDGE_SRC))
+LINT_CXX := $(filter %.cpp,$(BRIDGE_SRC)) $(CAD_SRC)
 PROJECT_HEADERS := $(filter %.h %.hpp,$(C_FILES) $(CXX_FILES))
 lint: tidy cppcheck
 tidy: $(patsubst %,$(B)/tidy/%.ok,$(LINT_C) $(LINT_CXX))
@@ -338,12 +344,16 @@ ifneq ($(KNURL),)
 	$(Q)install -d $(DEST)/bin
 	$(Q)install -m 755 $(KNURL) $(DEST)/bin/
 endif
+ifneq ($(KNURL_CAD),)
+	$(Q)install -d $(DEST)/libexec/knurl
+	$(Q)install -m 755 $(KNURL_CAD) $(DEST)/libexec/knurl/
+endif
 ifneq ($(wildcard docs/knurl.1),)
 	$(Q)install -d $(DEST)/share/man/man1
 	$(Q)install -m 644 docs/knurl.1 $(DEST)/share/man/man1/
 endif
 uninstall:
-	$(Q)rm -rf $(DEST)/include/knurl $(DEST)/lib/cmake/knurl $(DEST)/share/knurl
+	$(Q)rm -rf $(DEST)/include/knurl $(DEST)/lib/cmake/knurl $(DEST)/share/knurl $(DEST)/libexec/knurl
 	$(Q)rm -f $(DEST)/lib/libknurl.a $(DEST)/lib/libknurl.so $(DEST)/lib/libknurl.so.$(SOVERSION) \
 	  $(DEST)/lib/libknurl.so.$(VERSION) $(DEST)/lib/pkgconfig/knurl.pc $(DEST)/bin/knurl $(DEST)/share/man/man1/knurl.1
 
