@@ -126,32 +126,39 @@ static size_t write_plain(char *out, const char *digits, int n, int before, bool
     return (size_t)(at - out);
 }
 
-static size_t write_exponent(char *out, const char *digits, int n, int exponent, bool step)
+static size_t write_exponent(char *out, const char *digits, int n, int exponent, char mark)
 {
     char *at = out;
     *at++ = digits[0];
-    if (n > 1 || step) *at++ = '.';
+    if (n > 1 || mark != 'e') *at++ = '.';
     memcpy(at, digits + 1, (size_t)n - 1);
     at += n - 1;
-    *at++ = step ? 'E' : 'e';
+    *at++ = mark;
     if (exponent < 0) *at++ = '-';
     at += kn_decimal_integer(at, (uint64_t)(exponent < 0 ? -exponent : exponent));
     return (size_t)(at - out);
 }
 
-static size_t write_decimal(char *out, kn_decimal d, bool negative, bool step)
+// mark: before the exponent. A decimal point always, but for 'e'.
+static size_t write_decimal(char *out, kn_decimal d, bool negative, char mark)
 {
     char digits[KN_DECIMAL_BYTES];
     int n = (int)kn_decimal_integer(digits, d.digits), before = n + d.exponent;
     size_t sign = negative && d.digits != 0;
     out[0] = '-';
-    if (before >= -1 && before <= MAX_PLAIN_DIGITS) return sign + write_plain(out + sign, digits, n, before, step);
-    return sign + write_exponent(out + sign, digits, n, before - 1, step);
+    if (before >= -1 && before <= MAX_PLAIN_DIGITS)
+        return sign + write_plain(out + sign, digits, n, before, mark != 'e');
+    return sign + write_exponent(out + sign, digits, n, before - 1, mark);
 }
 
 size_t kn_decimal_step(char *out, double x)
 {
-    return write_decimal(out, kn_decimal_shortest(x), x < 0.0, true);
+    return write_decimal(out, kn_decimal_shortest(x), x < 0.0, 'E');
+}
+
+size_t kn_decimal_iges(char *out, double x)
+{
+    return write_decimal(out, kn_decimal_shortest(x), x < 0.0, 'D');
 }
 
 size_t kn_decimal_plain(char *out, double x, int significant)
@@ -167,5 +174,5 @@ size_t kn_decimal_plain(char *out, double x, int significant)
         d.exponent += dropped;
         d = strip_zeros(d);
     }
-    return write_decimal(out, d, x < 0.0, false);
+    return write_decimal(out, d, x < 0.0, 'e');
 }

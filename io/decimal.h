@@ -20,6 +20,8 @@ kn_decimal kn_decimal_shortest(double x);
 // Each writes the text of x (finite), without a zero byte at the end, and answers its length. Locale independent.
 // STEP: a decimal point always, exponent with E: 1.E-3 0.5 -2. (ISO 10303-21). Zero of either sign: "0.".
 size_t kn_decimal_step(char *out, double x);
+// IGES: the same with D, the exponent of double precision: 1.D-3 0.5 -2.
+size_t kn_decimal_iges(char *out, double x);
 // C and most else: 1e-3 0.5 -2. At most `significant` digits (1 .. 17, the shortest text rounded once more).
 size_t kn_decimal_plain(char *out, double x, int significant);
 size_t kn_decimal_integer(char *out, uint64_t n);

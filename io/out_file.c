@@ -29,7 +29,7 @@ static kn_status open_temporary(kn_ctx *ctx, kn_out_file *file)
     for (int i = 0; i < TEMPORARIES && error == EEXIST; i++) {
         snprintf(file->temporary + length, SUFFIX_BYTES, ".tmp-%d", i);
         errno = 0;
-        file->stream = fopen(file->temporary, "wbx");
+        file->stream = fopen(file->temporary, "w+bx"); // read again by kn_out_append
         if (file->stream != NULL) return KN_OK;
         error = errno;
     }
@@ -65,6 +65,59 @@ kn_status kn_out_open(kn_ctx *ctx, kn_out_file **out, const char *path)
         *out = file;
     else
         kn_out_close(ctx, file);
+    return status;
+}
+
+kn_status kn_out_open_beside(kn_ctx *ctx, kn_out_file **out, const kn_out_file *main, const char *suffix)
+{
+    size_t length = strlen(main->path), more = strlen(suffix);
+    if (main->temporary[0] != '\0') {
+        char *path = kn_alloc_zero(ctx, length + more + 1, 1);
+        if (path == NULL) return KN_ENOMEM;
+        memcpy(path, main->path, length);
+        memcpy(path + length, suffix, more);
+        kn_status status = kn_out_open(ctx, out, path);
+        kn_free(ctx, path);
+        return status;
+    }
+    kn_out_file *file = kn_alloc_zero(ctx, 1, sizeof *file); // beside a pipe there is no place
+    if (file == NULL) return KN_ENOMEM;
+    file->path = kn_alloc_zero(ctx, length + 1, 1);
+    file->temporary = kn_alloc_zero(ctx, 1, 1);
+    kn_status status = KN_ENOMEM;
+    if (file->path != NULL && file->temporary != NULL) {
+        memcpy(file->path, main->path, length);
+        errno = 0;
+        file->stream = tmpfile();
+        status = file->stream != NULL ? KN_OK : kn_fail_io(ctx, file->path, "cannot create a file for", errno);
+    }
+    if (status == KN_OK)
+        *out = file;
+    else
+        kn_out_close(ctx, file);
+    return status;
+}
+
+kn_status kn_out_append(kn_ctx *ctx, kn_out_file *to, kn_out_file *from)
+{
+    enum { PART = 1 << 16 };
+    size_t left = from->bytes;
+    char *part = kn_alloc(ctx, PART, 1);
+    if (part == NULL) return KN_ENOMEM;
+    errno = 0;
+    kn_status status = KN_OK;
+    if (fflush(from->stream) != 0 || fseek(from->stream, 0, SEEK_SET) != 0)
+        status = kn_fail_io(ctx, from->path, "cannot write", errno);
+    while (status == KN_OK && left > 0) {
+        size_t bytes = left < PART ? left : PART;
+        if (fread(part, 1, bytes, from->stream) != bytes)
+            status = kn_fail_io(ctx, from->path, "cannot read again", errno);
+        else
+            status = kn_out_write(ctx, to, part, bytes);
+        left -= bytes;
+    }
+    if (status == KN_OK) from->kept = false;
+    kn_free(ctx, part);
     return status;
 }
 

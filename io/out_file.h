@@ -14,6 +14,11 @@ typedef struct kn_out_file kn_out_file;
 
 // fails: KN_EIO (no such folder, no permission, path is a folder), KN_ENOMEM; *out unchanged.
 KN_CHECKED kn_status kn_out_open(kn_ctx *ctx, kn_out_file **out, const char *path);
+// A second one for the same output, "path" and the suffix, for what cannot be told before the rest is known. Where path
+// is written to directly, a file without a name. fails: as kn_out_open.
+KN_CHECKED kn_status kn_out_open_beside(kn_ctx *ctx, kn_out_file **out, const kn_out_file *main, const char *suffix);
+// Appends all that was written to `from`, which can then only be closed, and is removed. fails: KN_EIO, KN_ENOMEM.
+KN_CHECKED kn_status kn_out_append(kn_ctx *ctx, kn_out_file *to, kn_out_file *from);
 // Appends. fails: KN_EIO with the system's reason (a full disk, a limit).
 KN_CHECKED kn_status kn_out_write(kn_ctx *ctx, kn_out_file *file, const void *data, size_t bytes);
 // Overwrites bytes that were written before, at offset from the start; the place of the next append is unchanged.

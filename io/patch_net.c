@@ -3,7 +3,6 @@
 #include "io/patch_net.h"
 
 #include "kernel/context.h"
-#include "kernel/hash.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -35,15 +34,13 @@ kn_status kn_patch_axis_load(kn_ctx *ctx, kn_patch_axis *axis, const kn_spline *
     return KN_OK;
 }
 
-// Scaled and projected; *largest coordinate.
-static kn_status load_points(kn_ctx *ctx, const double **out, const kn_spline *s, double mm, double *largest,
-                             const char *format)
+kn_status kn_patch_curve_load(kn_ctx *ctx, kn_patch_curve *line, const kn_spline *s, int var, double mm,
+                              const char *format)
 {
     size_t n = kn_spline_count(s);
-    double *point = kn_scratch(ctx, n, 4 * sizeof *point);
+    double *point = kn_scratch(ctx, n, 4 * sizeof *point), largest = 0.0;
+    bool good = true, rational = false;
     if (!point) return KN_ENOMEM;
-    bool good = true;
-    *largest = 0.0;
     for (size_t k = 0; k < n && good; k++) {
         double weight = s->rational ? s->coef[3 * n + k] : 1.0;
         good = weight > 0.0 && isfinite(weight);
@@ -51,16 +48,15 @@ static kn_status load_points(kn_ctx *ctx, const double **out, const kn_spline *s
             double x = s->coef[c * n + k] / weight * mm;
             point[4 * k + c] = x;
             good = isfinite(x);
-            *largest = fmax(*largest, fabs(x));
+            largest = fmax(largest, fabs(x));
         }
         point[4 * k + 3] = weight;
+        rational = rational || weight != point[3];
     }
     if (!good) return kn_fail(ctx, KN_EUNDEFINED, "%s: a control point of a patch is not finite", format);
-    bool rational = false;
-    for (size_t k = 0; k < n; k++) rational = rational || point[4 * k + 3] != point[3];
     for (size_t k = 0; k < n && !rational; k++) point[4 * k + 3] = 1.0;
-    *out = point;
-    return KN_OK;
+    *line = (kn_patch_curve){.point = point, .step = 4, .rational = rational, .first = -1, .largest = largest};
+    return kn_patch_axis_load(ctx, &line->axis, s, var);
 }
 
 static int corner_point(const kn_patch_net *f, int corner)
@@ -80,41 +76,70 @@ static bool equal_keys(kn_brep_key a, kn_brep_key b)
     return a.a == b.a && a.b == b.b;
 }
 
-// Curves of equal control points are different ones where their knots are. Knots that were turned round are off by a
-// rounding: half of the digits of each count.
-static void add_knots(kn_brep_key *key, const kn_patch_axis *x, bool turned)
+// Knot k of the curve that runs the other way over the same domain.
+double kn_patch_knot(const kn_patch_axis *x, int k, bool turned)
 {
-    for (int k = 1; k + 1 < x->nbreaks; k++) {
-        int at = turned ? x->nbreaks - 1 - k : k;
-        double knot = turned ? 1.0 - x->breaks[at] : x->breaks[at];
-        key->a = kn_hash_add(key->a, (uint64_t)rint(knot * 0x1p30) * 64 + (uint64_t)x->times[at]);
-        key->b = kn_hash_add(key->b, key->a);
-    }
+    double lo = x->breaks[0], hi = x->breaks[x->nbreaks - 1];
+    return turned ? lo + (hi - x->breaks[x->nbreaks - 1 - k]) : x->breaks[k];
 }
 
+// Curves of equal control points are different ones where their inner knots are. Knots that were turned round are off
+// by a rounding: half of their digits count.
+kn_brep_key kn_patch_curve_key(bool *turned, const kn_patch_curve *line)
+{
+    const kn_patch_axis *x = &line->axis;
+    kn_brep_key key = kn_brep_hash(turned, line->point, line->rational ? 4 : 3, 1, (size_t)x->n, line->step);
+    double lo = x->breaks[0], length = x->breaks[x->nbreaks - 1] - lo;
+    for (int k = 1; k + 1 < x->nbreaks; k++) {
+        key = kn_brep_mix(key, rint((kn_patch_knot(x, k, *turned) - lo) / length * 0x1p26));
+        key = kn_brep_mix(key, x->times[*turned ? x->nbreaks - 1 - k : k]);
+    }
+    return key;
+}
+
+static bool same_axis(const kn_patch_axis *x, const kn_patch_axis *y)
+{
+    bool same = x->n == y->n && x->degree == y->degree && x->nbreaks == y->nbreaks;
+    for (int k = 0; same && k < x->nbreaks; k++) same = x->breaks[k] == y->breaks[k] && x->times[k] == y->times[k];
+    return same;
+}
+
+static bool same_line(const kn_patch_curve *a, const kn_patch_curve *b)
+{
+    bool same = same_axis(&a->axis, &b->axis) && a->rational == b->rational;
+    for (int k = 0; same && k < a->axis.n; k++)
+        for (int c = 0; c < (a->rational ? 4 : 3); c++)
+            same = same && a->point[k * a->step + c] == b->point[k * b->step + c];
+    return same;
+}
+
+// The end of the surface itself, on its points, or a fit of the edge.
 static kn_status load_side(kn_ctx *ctx, kn_patch_net *f, int e, const kn_patch *patch, double mm, const char *format)
 {
     kn_patch_side *s = &f->side[e];
-    int nr = f->axis[0].n, nt = f->axis[1].n;
-    *s = (kn_patch_side){.axis = &f->axis[e % 2], .by = e % 2 == 0 ? nt : 1};
-    s->first = e == 1 ? (nr - 1) * nt : e == 2 ? nt - 1 : 0;
-    s->point = f->point + 4 * s->first, s->step = 4 * (ptrdiff_t)s->by;
-    const kn_spline *fit = patch->edge ? &patch->edge[side_fit[e]] : NULL;
-    kn_status status = KN_OK;
-    if (fit && kn_spline_count(fit) != (size_t)s->axis->n) { // equal counts: the edge of the net itself
-        double largest;
-        status = kn_patch_axis_load(ctx, &s->own, fit, 0);
-        if (status == KN_OK) status = load_points(ctx, &s->point, fit, mm, &largest, format);
-        s->axis = &s->own, s->step = 4, s->first = -1;
+    int nr = f->axis[0].n, nt = f->axis[1].n, first = e == 1 ? (nr - 1) * nt : e == 2 ? nt - 1 : 0;
+    kn_patch_curve end = {.axis = f->axis[e % 2], .point = f->point + 4 * first, .first = first};
+    end.by = e % 2 == 0 ? nt : 1, end.step = 4 * (ptrdiff_t)end.by;
+    for (int k = 1; k < end.axis.n; k++) end.rational = end.rational || end.point[k * end.step + 3] != end.point[3];
+    *s = (kn_patch_side){.line = end};
+    if (patch->edge) {
+        kn_patch_curve own;
+        kn_status status = kn_patch_curve_load(ctx, &own, &patch->edge[side_fit[e]], 0, mm, format);
+        if (status != KN_OK) return status;
+        if (!same_line(&own, &end)) s->line = own;
     }
-    if (status != KN_OK) return status;
-    s->edge.key = kn_brep_hash(&s->turned, s->point, 4, 1, (size_t)s->axis->n, s->step);
-    add_knots(&s->edge.key, s->axis, s->turned);
-    s->collapsed = true;
-    for (int k = 1; k < s->axis->n; k++)
-        for (int c = 0; c < 3; c++)
-            s->collapsed = s->collapsed && fabs(s->point[k * s->step + c] - s->point[c]) <= f->same;
+    s->edge.key = kn_patch_curve_key(&s->turned, &s->line);
+    s->collapsed = kn_patch_curve_collapsed(&s->line, f->same);
     return KN_OK;
+}
+
+bool kn_patch_curve_collapsed(const kn_patch_curve *line, double same)
+{
+    bool collapsed = true;
+    for (int k = 1; k < line->axis.n; k++)
+        for (int c = 0; c < 3; c++)
+            collapsed = collapsed && fabs(line->point[k * line->step + c] - line->point[c]) <= same;
+    return collapsed;
 }
 
 // Which vertices are one because an edge is a point, and whether the surface is closed.
@@ -139,16 +164,23 @@ static void join_corners(kn_patch_net *f, bool reversed)
 kn_status kn_patch_net_load(kn_ctx *ctx, kn_patch_net *net, const kn_patch *patch, double mm, const char *format)
 {
     kn_spline s = kn_patch_spline(patch);
-    double largest = 0.0;
-    *net = (kn_patch_net){.n = (int)kn_spline_count(&s)};
-    kn_status status = load_points(ctx, &net->point, &s, mm, &largest, format);
-    for (int v = 0; v < 2 && status == KN_OK; v++) status = kn_patch_axis_load(ctx, &net->axis[v], &s, v);
+    kn_patch_curve all;
+    kn_status status = kn_patch_curve_load(ctx, &all, &s, 0, mm, format);
     if (status != KN_OK) return status;
-    for (int k = 1; k < net->n; k++) net->rational = net->rational || net->point[4 * k + 3] != net->point[3];
-    net->same = kn_patch_same(largest);
+    *net = (kn_patch_net){.n = (int)kn_spline_count(&s), .point = all.point, .rational = all.rational};
+    net->axis[0] = all.axis;
+    net->same = kn_patch_same(all.largest);
+    status = kn_patch_axis_load(ctx, &net->axis[1], &s, 1);
     for (int e = 0; e < 4 && status == KN_OK; e++) status = load_side(ctx, net, e, patch, mm, format);
     if (status == KN_OK) join_corners(net, patch->reversed);
     return status;
+}
+
+kn_status kn_patch_side_spline(kn_ctx *ctx, kn_spline *out, const kn_patch *patch, int e)
+{
+    if (patch->edge) return kn_spline_copy(ctx, out, &patch->edge[side_fit[e]]);
+    kn_spline s = kn_patch_spline(patch);
+    return kn_spline_isoparametric(ctx, out, &s, 1 - e % 2, e == 1 || e == 2 ? 1.0 : 0.0);
 }
 
 void kn_patch_name(char name[KN_PATCH_NAME_BYTES], const kn_patch_id *id, const char *part, bool face)

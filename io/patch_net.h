@@ -16,15 +16,21 @@ typedef struct kn_patch_axis {
     const double *breaks;
 } kn_patch_axis;
 
+// A curve, an edge of a patch or by itself.
+typedef struct kn_patch_curve {
+    kn_patch_axis axis;
+    const double *point; // of control point k at point + k * step: x, y, z in mm, weight
+    ptrdiff_t step;
+    bool rational;  // weights differ; else they are 1, or those that a patch has
+    int first, by;  // which point of the patch control point k is: first + k * by; first -1: none
+    double largest; // coordinate of a line that was loaded
+} kn_patch_curve;
+
 // Edge e runs from corner to corner with increasing r or t; corners: (r,t) = (0,0), (1,0), (1,1), (0,1).
 //     edge 0: t = 0, edge 1: r = 1, edge 2: t = 1, edge 3: r = 0
 // Counterclockwise the boundary runs along 0 and 1, and against 2 and 3.
 typedef struct kn_patch_side {
-    const kn_patch_axis *axis;
-    const double *point; // x, y, z in mm, weight: control point k at point + k * step
-    ptrdiff_t step;
-    int first, by;     // that of the net it is: first + k * by; first -1: the edge has points of its own
-    kn_patch_axis own; // what axis points to there
+    kn_patch_curve line;
     kn_brep_edge edge;
     bool turned;    // its key runs against it
     bool collapsed; // it is a point
@@ -46,13 +52,21 @@ typedef struct kn_patch_net {
 
 // Points nearer than this, in mm, are one point to the programs that read the file. largest: coordinate.
 double kn_patch_same(double largest);
+double kn_patch_knot(const kn_patch_axis *x, int k, bool turned); // turned: of the curve that runs the other way
 // *axis of a spline's variable, in scratch.
 KN_CHECKED kn_status kn_patch_axis_load(kn_ctx *ctx, kn_patch_axis *axis, const kn_spline *s, int var);
-// *net of a surface patch, piece or spline, in scratch: scaled and projected points, sides with keys (their direction
-// of use: outwards of the patch, turned where it is reversed).
-// fails: KN_EUNDEFINED (a weight that is not positive, a control point that is not finite), KN_ENOMEM.
+// *line: all control points of a spline, scaled and projected, and the axis of one variable, in scratch. format: for
+// messages. fails: KN_EUNDEFINED (a weight that is not positive, a control point that is not finite), KN_ENOMEM.
+KN_CHECKED kn_status kn_patch_curve_load(kn_ctx *ctx, kn_patch_curve *line, const kn_spline *s, int var, double mm,
+                                         const char *format);
+// By which both faces of an edge know it; *turned as kn_brep_hash.
+kn_brep_key kn_patch_curve_key(bool *turned, const kn_patch_curve *line);
+bool kn_patch_curve_collapsed(const kn_patch_curve *line, double same);
+// *net of a surface patch, piece or spline, in scratch. fails: as kn_patch_curve_load.
 KN_CHECKED kn_status kn_patch_net_load(kn_ctx *ctx, kn_patch_net *net, const kn_patch *patch, double mm,
                                        const char *format);
+// out = edge e as a spline over [0,1], unscaled: initialised, overwritten.
+KN_CHECKED kn_status kn_patch_side_spline(kn_ctx *ctx, kn_spline *out, const kn_patch *patch, int e);
 // "s0 c3,4 ring", and for a face " 12" or " 12.1".
 enum { KN_PATCH_NAME_BYTES = KN_NAME_BYTES + 96 };
 void kn_patch_name(char name[KN_PATCH_NAME_BYTES], const kn_patch_id *id, const char *part, bool face);

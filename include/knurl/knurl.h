@@ -21,6 +21,7 @@
 #include <knurl/slice.h>
 #include <knurl/io.h>
 #include <knurl/cad.h>
+#include <knurl/iges.h>
 #include <knurl/step.h>
 #include <knurl/write.h>
 

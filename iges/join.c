@@ -1,0 +1,456 @@
+// SPDX-License-Identifier: Apache-2.0
+// Faces of an IGES file with the edges and vertices that they share; bodies that are closed become solids at once.
+//
+// Each vertex is a vertex list (502) of its own, each edge an edge list (504) behind its curve: so their numbers are all
+// that has to be kept of them.
+#include "iges/write.h"
+
+#include "io/color.h"
+#include "kernel/context.h"
+
+#include <stdio.h>
+#include <string.h>
+
+enum { LONG_TEXT = 1 << 20, COLOURED = 1, PLAIN = -1 };
+
+// Subordinate to another entity, and what for (columns of the status number).
+static const char independent[] = "00000000", dependent[] = "00010000", in_plane[] = "00010500",
+                  definition[] = "00000200", property[] = "00010300";
+
+typedef struct entity {
+    int type, form, look; // look PLAIN: no colour
+    const char *status;
+    const kn_patch_id *id; // NULL: no label
+    size_t begin;          // of its lines in the parameters
+} entity;
+
+static uint64_t pointer(uint64_t e)
+{
+    return 2 * e + 1;
+}
+
+// Right-justified in a field.
+static void put_field(char *field, int width, uint64_t n)
+{
+    for (int i = width - 1; i >= 0; i--) {
+        field[i] = (char)('0' + n % 10);
+        n /= 10;
+        if (n == 0) break;
+    }
+}
+
+// ---- directory ----
+
+static void directory_line(kn_text *text, char line[KN_IGES_LINE_BYTES], uint64_t number)
+{
+    line[72] = 'D', line[KN_IGES_LINE_BYTES - 1] = '\n';
+    put_field(line + 73, 7, number);
+    kn_text_bytes(text, line, KN_IGES_LINE_BYTES);
+}
+
+// Type, first parameter line, status; then weight, colour, count of lines, form, label and its number.
+static void put_directory(kn_iges_join *j, const entity *e, uint64_t lines)
+{
+    char one[KN_IGES_LINE_BYTES], two[KN_IGES_LINE_BYTES];
+    memset(one, ' ', sizeof one), memset(two, ' ', sizeof two);
+    uint64_t colour = e->look >= 0 ? j->looks[e->look].colour : 0;
+    put_field(one, 8, (uint64_t)e->type), put_field(two, 8, (uint64_t)e->type);
+    put_field(one + 8, 8, j->lines + 1);
+    for (int f = 2; f < 8; f++) put_field(one + 8 * f, 8, 0);
+    memcpy(one + 64, e->status, 8);
+    put_field(two + 8, 8, 0);
+    put_field(two + 16, 8, colour > 0 ? pointer(colour - 1) : 0);
+    if (colour > 0) two[17] = '-'; // a pointer: seven digits at most behind it
+    put_field(two + 24, 8, lines);
+    put_field(two + 32, 8, (uint64_t)e->form);
+    if (e->id && e->look >= 0) {
+        size_t n = strlen(j->looks[e->look].name);
+        if (n > 8) n = 8;
+        for (size_t i = 0; i < n; i++) {
+            char c = j->looks[e->look].name[i];
+            two[64 - n + i] = (char)(c >= 32 && c < 127 ? c : '_');
+        }
+        put_field(two + 64, 8, (uint64_t)e->id->patch % 100000000);
+    }
+    directory_line(&j->directory, one, pointer(j->next));
+    directory_line(&j->directory, two, pointer(j->next) + 1);
+}
+
+// ---- parameters ----
+
+// Fills the numbers of whole lines from `begin` on; answers how many there are, `before` of this entity were filled.
+static uint64_t number_lines(kn_iges_join *j, size_t begin, uint64_t before)
+{
+    char entity_field[7];
+    uint64_t n = 0;
+    kn_text *text = &j->parameters;
+    if (text->failed) return 0;
+    memset(entity_field, ' ', sizeof entity_field);
+    put_field(entity_field, 7, pointer(j->next));
+    for (size_t at = begin; at + KN_IGES_LINE_BYTES <= text->bytes; at += KN_IGES_LINE_BYTES, n++) {
+        memcpy(text->data + at + 65, entity_field, sizeof entity_field);
+        put_field(text->data + at + 73, 7, j->lines + before + n + 1);
+    }
+    return n;
+}
+
+static entity start(kn_iges_join *j, int type)
+{
+    entity e = {.type = type, .look = PLAIN, .status = dependent, .begin = j->parameters.bytes};
+    j->parameters.line = j->parameters.bytes;
+    return e;
+}
+
+// Its lines are there; before: that were flushed already.
+static kn_status finish(kn_ctx *ctx, kn_iges_join *j, const entity *e, uint64_t before)
+{
+    uint64_t lines = before + number_lines(j, e->begin, before);
+    put_directory(j, e, lines);
+    j->lines += lines;
+    j->next++;
+    if (j->lines > KN_IGES_MOST || 2 * j->next > KN_IGES_MOST)
+        return kn_fail(ctx, KN_ELIMIT, "IGES: the patches need more than %d lines, which seven digits cannot count",
+                       KN_IGES_MOST);
+    return j->parameters.failed || j->directory.failed ? KN_ENOMEM : KN_OK;
+}
+
+// An entity of integers.
+static kn_status put_list(kn_ctx *ctx, kn_iges_join *j, entity e, const uint64_t *n, int count)
+{
+    kn_iges_put_integer(&j->parameters, (uint64_t)e.type);
+    for (int i = 0; i < count; i++) kn_iges_put_integer(&j->parameters, n[i]);
+    kn_iges_end(&j->parameters);
+    return finish(ctx, j, &e, 0);
+}
+
+// Behind the parameters of something with a name: no associativities, one property, the next entity.
+static void put_property(kn_iges_join *j)
+{
+    kn_iges_put_integer(&j->parameters, 0);
+    kn_iges_put_integer(&j->parameters, 1);
+    kn_iges_put_integer(&j->parameters, pointer(j->next + 1));
+}
+
+static kn_status put_name(kn_ctx *ctx, kn_iges_join *j, const kn_patch_id *id, int look, bool face)
+{
+    char name[KN_PATCH_NAME_BYTES];
+    entity e = start(j, 406);
+    e.form = 15, e.status = property;
+    kn_patch_name(name, id, j->looks[look].name, face);
+    kn_iges_put_integer(&j->parameters, 406);
+    kn_iges_put_integer(&j->parameters, 1);
+    kn_iges_put_string(&j->parameters, name);
+    kn_iges_end(&j->parameters);
+    return finish(ctx, j, &e, 0);
+}
+
+// 314: red, green and blue in percent, and a name.
+static kn_status need_colour(kn_ctx *ctx, kn_iges_join *j, int look)
+{
+    kn_iges_look *l = &j->looks[look];
+    if (l->colour > 0) return KN_OK;
+    entity e = start(j, 314);
+    e.status = definition;
+    kn_iges_put_integer(&j->parameters, 314);
+    for (int c = 0; c < 3; c++) kn_iges_put_real(&j->parameters, 100.0 * kn_color_srgb(l->material.base_color[c]));
+    kn_iges_put_string(&j->parameters, l->name);
+    kn_iges_end(&j->parameters);
+    l->colour = j->next + 1;
+    return finish(ctx, j, &e, 0);
+}
+
+// Lines that a thread wrote.
+static kn_status put_written(kn_ctx *ctx, kn_iges_join *j, int type, const char *status, const char *data,
+                             uint32_t lines)
+{
+    entity e = start(j, type);
+    e.status = status;
+    kn_text_bytes(&j->parameters, data, (size_t)lines * KN_IGES_LINE_BYTES);
+    return finish(ctx, j, &e, 0);
+}
+
+// The same, by itself: with colour and name.
+static kn_status put_alone(kn_ctx *ctx, kn_iges_join *j, int type, const kn_iges_item *item, const char *data)
+{
+    entity e = start(j, type);
+    e.status = independent, e.look = item->look, e.id = &item->id;
+    kn_text_bytes(&j->parameters, data, (size_t)item->surface_lines * KN_IGES_LINE_BYTES);
+    kn_iges_reopen(&j->parameters);
+    put_property(j);
+    kn_iges_end(&j->parameters);
+    kn_status status = finish(ctx, j, &e, 0);
+    return status == KN_OK ? put_name(ctx, j, &item->id, item->look, item->kind != KN_IGES_CURVE) : status;
+}
+
+// ---- faces ----
+
+static kn_status put_vertex(kn_ctx *ctx, kn_iges_join *j, const double *p)
+{
+    entity e = start(j, 502);
+    e.form = 1;
+    kn_iges_put_integer(&j->parameters, 502);
+    kn_iges_put_integer(&j->parameters, 1);
+    for (int c = 0; c < 3; c++) kn_iges_put_real(&j->parameters, p[c]);
+    kn_iges_end(&j->parameters);
+    return finish(ctx, j, &e, 0);
+}
+
+static kn_status put_edge(kn_ctx *ctx, kn_iges_join *j, const kn_brep_name *name)
+{
+    entity e = start(j, 504);
+    e.form = 1;
+    return put_list(
+        ctx, j, e, (uint64_t[]){1, pointer(name->edge - 1), pointer(name->vertex[0]), 1, pointer(name->vertex[1]), 1},
+        6);
+}
+
+// Entities of new vertices, curves and edges, in the order of their numbers.
+static kn_status put_new(kn_ctx *ctx, kn_iges_join *j, const kn_iges_item *item, const kn_brep_name *names,
+                         const char *data, uint64_t end)
+{
+    kn_status status = KN_OK;
+    while (status == KN_OK && j->next < end) {
+        uint64_t before = j->next;
+        const char *curve = data;
+        for (int i = 0; i < item->nedges && status == KN_OK && j->next == before; i++) {
+            const kn_brep_name *n = &names[i];
+            for (int k = 0; k < 2 && j->next == before && status == KN_OK; k++)
+                if (n->new_vertex[k] && n->vertex[k] == before) status = put_vertex(ctx, j, item->vertex[i][k]);
+            if (n->new_edge && n->edge == before + 1)
+                status = put_written(ctx, j, 126, dependent, curve, item->edge_lines[i]);
+            else if (n->new_edge && n->edge == before)
+                status = put_edge(ctx, j, n);
+            curve += (size_t)item->edge_lines[i] * KN_IGES_LINE_BYTES;
+        }
+        if (status == KN_OK && j->next == before)
+            return kn_fail(ctx, KN_EUNDECIDED, "IGES: number %llu belongs to nothing", (unsigned long long)before);
+    }
+    return status;
+}
+
+// The loop runs counterclockwise about r x t; that a patch is reversed is told where the shell lists its face.
+static kn_status put_loop(kn_ctx *ctx, kn_iges_join *j, const kn_iges_item *item, const kn_brep_name *names)
+{
+    uint64_t list[1 + 5 * 4] = {(uint64_t)item->nedges};
+    for (int i = 0; i < item->nedges; i++) {
+        uint64_t *at = list + 1 + 5 * i; // an edge, its list and place there, along it, no curves in the plane
+        at[0] = 0, at[1] = pointer(names[i].edge), at[2] = 1, at[3] = item->along[i], at[4] = 0;
+    }
+    entity e = start(j, 508);
+    e.form = 1;
+    return put_list(ctx, j, e, list, 1 + 5 * item->nedges);
+}
+
+static kn_status put_face(kn_ctx *ctx, kn_iges_join *j, const kn_iges_item *item, uint64_t surface)
+{
+    entity e = start(j, 510);
+    e.form = 1, e.look = item->look, e.id = &item->id;
+    kn_iges_put_integer(&j->parameters, 510);
+    kn_iges_put_integer(&j->parameters, pointer(surface));
+    kn_iges_put_integer(&j->parameters, 1);
+    kn_iges_put_integer(&j->parameters, 1); // the first loop is the outer one
+    kn_iges_put_integer(&j->parameters, pointer(j->next - 1));
+    put_property(j);
+    kn_iges_end(&j->parameters);
+    kn_status status = finish(ctx, j, &e, 0);
+    return status == KN_OK ? put_name(ctx, j, &item->id, item->look, true) : status;
+}
+
+// ---- shells ----
+
+// 514: faces, and whether their surfaces look out. Long ones are flushed while they are put.
+static kn_status put_shell(kn_ctx *ctx, kn_iges_join *j, int body, bool closed, kn_status (*put)(void *user),
+                           void *user)
+{
+    entity e = start(j, 514);
+    kn_brep_walk walk = kn_brep_faces(j->brep, body);
+    uint64_t before = 0;
+    kn_status status = KN_OK;
+    e.form = closed ? 1 : 2, e.status = closed ? dependent : independent;
+    kn_iges_put_integer(&j->parameters, 514);
+    kn_iges_put_integer(&j->parameters, walk.left);
+    while (status == KN_OK && kn_brep_step(j->brep, &walk)) {
+        kn_iges_put_integer(&j->parameters, pointer(walk.number));
+        kn_iges_put_integer(&j->parameters, walk.look % 2 == 0);
+        if (!put || j->parameters.bytes < LONG_TEXT || j->parameters.failed) continue;
+        kn_text *text = &j->parameters;
+        char rest[KN_IGES_LINE_BYTES];
+        size_t bytes = text->bytes - text->line; // of the line that is not full yet
+        before += number_lines(j, e.begin, before);
+        memcpy(rest, text->data + text->line, bytes);
+        text->bytes = text->line;
+        status = put(user);
+        e.begin = text->bytes;
+        kn_text_bytes(text, rest, bytes);
+    }
+    kn_iges_end(&j->parameters);
+    return status == KN_OK ? finish(ctx, j, &e, before) : status;
+}
+
+static kn_status put_solid(kn_ctx *ctx, kn_iges_join *j, const kn_iges_item *item, int body)
+{
+    int look = kn_brep_look(j->brep, body);
+    kn_status status = put_shell(ctx, j, body, true, NULL, NULL);
+    if (status != KN_OK) return status;
+    entity e = start(j, 186);
+    e.status = independent, e.look = look >= 0 ? look / 2 : PLAIN, e.id = &item->id;
+    kn_iges_put_integer(&j->parameters, 186);
+    kn_iges_put_integer(&j->parameters, pointer(j->next - 1));
+    kn_iges_put_integer(&j->parameters, 1); // the shell looks out
+    kn_iges_put_integer(&j->parameters, 0); // voids
+    put_property(j);
+    kn_iges_end(&j->parameters);
+    status = finish(ctx, j, &e, 0);
+    if (status == KN_OK) status = put_name(ctx, j, &item->id, item->look, false);
+    kn_brep_drop(j->brep, body);
+    return status;
+}
+
+// ---- trimmed faces ----
+
+// Of n curves from `first` on: the one, or a composite curve (102), which is the next entity.
+static kn_status put_composite(kn_ctx *ctx, kn_iges_join *j, uint64_t *out, uint64_t first, uint32_t n, bool plane)
+{
+    *out = pointer(first);
+    if (n == 1) return KN_OK;
+    *out = pointer(j->next);
+    entity e = start(j, 102);
+    e.status = plane ? in_plane : dependent;
+    kn_iges_put_integer(&j->parameters, 102);
+    kn_iges_put_integer(&j->parameters, n);
+    for (uint32_t k = 0; k < n; k++) kn_iges_put_integer(&j->parameters, pointer(first + k));
+    kn_iges_end(&j->parameters);
+    return finish(ctx, j, &e, 0);
+}
+
+// 142 of one loop: how it arose is not said; the curve in the plane is the exact one.
+static kn_status put_boundary(kn_ctx *ctx, kn_iges_join *j, uint64_t surface, const kn_iges_loop *loop,
+                              const uint32_t *lines, const char **data)
+{
+    uint64_t first = j->next, plane = 0, space = 0;
+    kn_status status = KN_OK;
+    for (uint32_t k = 0; k < 2 * loop->curves && status == KN_OK; k++) {
+        status = put_written(ctx, j, 126, k < loop->curves ? in_plane : dependent, *data, lines[k]);
+        *data += (size_t)lines[k] * KN_IGES_LINE_BYTES;
+    }
+    if (status == KN_OK) status = put_composite(ctx, j, &plane, first, loop->curves, true);
+    if (status == KN_OK) status = put_composite(ctx, j, &space, first + loop->curves, loop->curves, false);
+    if (status != KN_OK) return status;
+    return put_list(ctx, j, start(j, 142), (uint64_t[]){0, pointer(surface), plane, space, 1}, 5);
+}
+
+// 144 for each outer loop, with the holes in it: the boundary of the square is not the outer one, where it begins.
+static kn_status put_trimmed(kn_ctx *ctx, kn_iges_join *j, const kn_iges_written *w, const kn_iges_item *item)
+{
+    const char *data = w->text.data + item->begin;
+    const kn_iges_loop *loops = w->loops + item->loops;
+    const uint32_t *lines = w->lines + item->lines;
+    uint64_t surface = j->next;
+    uint64_t *bounds = kn_alloc(ctx, item->nloops, sizeof *bounds);
+    kn_status status = bounds ? put_written(ctx, j, 128, dependent, data, item->surface_lines) : KN_ENOMEM;
+    data += (size_t)item->surface_lines * KN_IGES_LINE_BYTES;
+    for (size_t i = 0, end = 0; i < item->nloops && status == KN_OK; i = end) {
+        for (end = i; status == KN_OK && end < item->nloops && (end == i || !loops[end].outer); end++) {
+            status = put_boundary(ctx, j, surface, &loops[end], lines, &data);
+            lines += 2 * (size_t)loops[end].curves;
+            bounds[end] = j->next - 1;
+        }
+        if (status != KN_OK) break;
+        entity e = start(j, 144);
+        e.status = independent, e.look = item->look, e.id = &item->id;
+        kn_iges_put_integer(&j->parameters, 144);
+        kn_iges_put_integer(&j->parameters, pointer(surface));
+        kn_iges_put_integer(&j->parameters, 1);
+        kn_iges_put_integer(&j->parameters, end - i - 1);
+        for (size_t k = i; k < end; k++) kn_iges_put_integer(&j->parameters, pointer(bounds[k]));
+        put_property(j);
+        kn_iges_end(&j->parameters);
+        status = finish(ctx, j, &e, 0);
+        if (status == KN_OK) status = put_name(ctx, j, &item->id, item->look, true);
+    }
+    kn_free(ctx, bounds);
+    return status;
+}
+
+// ---- items ----
+
+static kn_status put_joined(kn_ctx *ctx, kn_iges_join *j, const kn_iges_item *item, const char *data)
+{
+    kn_brep_name names[4];
+    int closed = KN_BREP_NONE;
+    uint64_t surface = j->next, end = surface + 1;
+    kn_status status = put_written(ctx, j, 128, dependent, data, item->surface_lines);
+    data += (size_t)item->surface_lines * KN_IGES_LINE_BYTES;
+    if (status == KN_OK)
+        status = kn_brep_add(ctx, j->brep, item->edges, item->nedges, item->pair, item->npairs, &end, names);
+    if (status == KN_OK) status = put_new(ctx, j, item, names, data, end);
+    if (status == KN_OK) status = put_loop(ctx, j, item, names);
+    uint64_t face = j->next;
+    if (status == KN_OK) status = put_face(ctx, j, item, surface);
+    if (status == KN_OK) status = kn_brep_end_face(ctx, j->brep, face, 2 * item->look + item->reversed, &closed);
+    return status == KN_OK && closed != KN_BREP_NONE ? put_solid(ctx, j, item, closed) : status;
+}
+
+kn_status kn_iges_join_item(kn_ctx *ctx, kn_iges_join *j, const kn_iges_written *w, const kn_iges_item *item)
+{
+    const char *data = w->text.data + item->begin;
+    kn_status status = need_colour(ctx, j, item->look);
+    if (status != KN_OK) return status;
+    if (item->kind == KN_IGES_CURVE) return put_alone(ctx, j, 126, item, data);
+    if (item->kind == KN_IGES_TRIMMED) return put_trimmed(ctx, j, w, item);
+    return item->nedges > 0 ? put_joined(ctx, j, item, data) : put_alone(ctx, j, 128, item, data);
+}
+
+kn_status kn_iges_join_end(kn_ctx *ctx, kn_iges_join *j, kn_status (*put)(void *user), void *user)
+{
+    kn_status status = KN_OK;
+    for (int body = KN_BREP_NONE; status == KN_OK && kn_brep_next_body(j->brep, &body);) {
+        status = put_shell(ctx, j, body, false, put, user);
+        if (status == KN_OK && j->parameters.bytes + j->directory.bytes > LONG_TEXT) status = put(user);
+    }
+    return status == KN_OK ? put(user) : status;
+}
+
+// ---- life ----
+
+kn_status kn_iges_join_begin(kn_ctx *ctx, kn_iges_join *j, const kn_tile *tile)
+{
+    j->looks = kn_alloc_zero(ctx, (size_t)tile->nparts, sizeof *j->looks);
+    if (!j->looks) return KN_ENOMEM;
+    j->nlooks = tile->nparts;
+    for (int i = 0; i < tile->nparts; i++) {
+        memcpy(j->looks[i].name, tile->parts[i].name, sizeof j->looks[i].name);
+        j->looks[i].name[KN_NAME_BYTES - 1] = '\0';
+        j->looks[i].material = tile->parts[i].material;
+    }
+    j->directory.ctx = j->parameters.ctx = ctx;
+    return kn_brep_create(ctx, &j->brep);
+}
+
+void kn_iges_join_clear(kn_ctx *ctx, kn_iges_join *j)
+{
+    kn_brep_destroy(ctx, j->brep);
+    j->directory.ctx = j->parameters.ctx = ctx;
+    kn_text_clear(&j->directory);
+    kn_text_clear(&j->parameters);
+    kn_free(ctx, j->looks);
+    *j = (kn_iges_join){0};
+}
+
+// ---- journals ----
+
+void kn_iges_join_save(const kn_iges_join *j, kn_state *state)
+{
+    kn_state_put(state, &j->next, sizeof j->next);
+    kn_state_put(state, &j->lines, sizeof j->lines);
+    for (int i = 0; i < j->nlooks; i++) kn_state_put(state, &j->looks[i].colour, sizeof j->looks[i].colour);
+    kn_brep_save(j->brep, state);
+}
+
+kn_status kn_iges_join_restore(kn_ctx *ctx, kn_iges_join *j, kn_state_reader *r)
+{
+    bool good = kn_state_take(r, &j->next, sizeof j->next) && kn_state_take(r, &j->lines, sizeof j->lines);
+    for (int i = 0; i < j->nlooks && good; i++)
+        good = kn_state_take(r, &j->looks[i].colour, sizeof j->looks[i].colour);
+    return good ? kn_brep_restore(ctx, j->brep, r) : kn_state_fail(ctx, "IGES");
+}
