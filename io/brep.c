@@ -14,7 +14,7 @@ typedef struct entry {
     kn_brep_key key;
     uint64_t number;
     uint32_t body, uses;
-    bool forward;
+    bool forward, against;
 } entry;
 
 typedef struct table {
@@ -37,6 +37,7 @@ typedef struct body {
     uint32_t parent, refs, waiting, head, tail;
     int look;
     bool there, odd; // odd: two faces use an edge in the same direction
+    bool held;
     uint64_t faces;
 } body;
 
@@ -204,7 +205,7 @@ static uint32_t unite(kn_brep *b, uint32_t one, uint32_t two)
     }
     x->faces += y->faces;
     x->waiting += y->waiting;
-    x->odd = x->odd || y->odd;
+    x->odd = x->odd || y->odd, x->held = x->held || y->held;
     y->parent = big, y->head = y->tail = NONE;
     x->refs++; // y names it
     y->refs++;
@@ -271,7 +272,7 @@ static void name_alone(const kn_brep_edge *edges, int n, uint64_t *next, kn_brep
             if (names[i].new_vertex[k]) names[i].vertex[k] = (*next)++;
         }
         *next += 2;
-        names[i].edge = *next - 1, names[i].new_edge = true;
+        names[i].edge = *next - 1, names[i].new_edge = true, names[i].against = false;
     }
 }
 
@@ -294,6 +295,7 @@ kn_status kn_brep_add(kn_ctx *ctx, kn_brep *b, const kn_brep_edge *edges, int n,
         entry *waiting = find(&b->edges, edges[i].key);
         names[i].new_edge = waiting == NULL;
         names[i].edge = waiting ? waiting->number : 0;
+        names[i].against = waiting && waiting->against;
         if (waiting) join(b, &edges[i], waiting, &at);
     }
     if (status == KN_OK && at == NONE) status = new_body(ctx, b, &at);
@@ -308,7 +310,7 @@ kn_status kn_brep_add(kn_ctx *ctx, kn_brep *b, const kn_brep_edge *edges, int n,
             if (edges[twin].forward == edges[i].forward) b->bodies[at].odd = true;
             continue;
         }
-        entry fresh = {edges[i].key, names[i].edge, at, 1, edges[i].forward};
+        entry fresh = {edges[i].key, names[i].edge, at, 1, edges[i].forward, false};
         status = insert(ctx, &b->edges, &fresh, NULL);
         for (int k = 0; k < 2 && status == KN_OK; k++) find(&b->vertices, edges[i].vertex[k])->uses++;
         b->bodies[at].waiting++, b->bodies[at].refs++;
@@ -363,7 +365,7 @@ kn_status kn_brep_end_face(kn_ctx *ctx, kn_brep *b, uint64_t number, int look, i
     c->last = number, c->last_look = look;
     x->look = x->faces == 0 || x->look == look ? look : KN_BREP_NONE;
     x->faces++;
-    *closed = x->waiting == 0 && !x->odd ? (int)b->face : KN_BREP_NONE;
+    *closed = x->waiting == 0 && !x->odd && !x->held ? (int)b->face : KN_BREP_NONE;
     return KN_OK;
 }
 
@@ -382,6 +384,66 @@ kn_status kn_brep_append(kn_ctx *ctx, kn_brep *b, int at, uint64_t number, int l
     int closed;
     b->face = (uint32_t)at;
     return kn_brep_end_face(ctx, b, number, look, &closed);
+}
+
+// ---- bodies of others ----
+
+kn_status kn_brep_hold(kn_ctx *ctx, kn_brep *b, int *out)
+{
+    uint32_t at = NONE;
+    kn_status status = new_body(ctx, b, &at);
+    if (status != KN_OK) return status;
+    b->bodies[at].held = true;
+    b->bodies[at].refs = 1; // the caller
+    *out = (int)at;
+    return KN_OK;
+}
+
+kn_status kn_brep_seed(kn_ctx *ctx, kn_brep *b, int at, const kn_brep_edge *edge, uint64_t number,
+                       const uint64_t vertex[2], bool against)
+{
+    if (find(&b->edges, edge->key))
+        return kn_fail(ctx, KN_EDOMAIN, "edge #%llu is there twice", (unsigned long long)number);
+    for (int k = 0; k < 2; k++) {
+        const entry *v = find(&b->vertices, edge->vertex[k]);
+        if (v && v->number != vertex[k])
+            return kn_fail(ctx, KN_EDOMAIN, "vertices #%llu and #%llu are one point", (unsigned long long)v->number,
+                           (unsigned long long)vertex[k]);
+    }
+    kn_status status = KN_OK;
+    for (int k = 0; k < 2 && status == KN_OK; k++) {
+        entry *v = find(&b->vertices, edge->vertex[k]),
+              fresh = {.key = edge->vertex[k], .number = vertex[k], .uses = 1};
+        if (v)
+            v->uses++;
+        else
+            status = insert(ctx, &b->vertices, &fresh, NULL);
+    }
+    entry fresh = {edge->key, number, (uint32_t)at, 1, edge->forward, against};
+    if (status == KN_OK) status = insert(ctx, &b->edges, &fresh, NULL);
+    if (status == KN_OK) b->bodies[at].waiting++, b->bodies[at].refs++;
+    return status;
+}
+
+void kn_brep_tie(kn_brep *b, int at)
+{
+    b->face = unite(b, b->face, root_of(b, (uint32_t)at));
+}
+
+int kn_brep_root(const kn_brep *b, int at)
+{
+    return (int)root_of(b, (uint32_t)at);
+}
+
+bool kn_brep_held(const kn_brep *b, int at)
+{
+    return b->bodies[at].held;
+}
+
+uint32_t kn_brep_waiting(const kn_brep *b, int at, bool *odd)
+{
+    *odd = b->bodies[at].odd;
+    return b->bodies[at].waiting;
 }
 
 bool kn_brep_next_body(const kn_brep *b, int *at)

@@ -34,6 +34,7 @@ typedef struct kn_brep_edge {
 typedef struct kn_brep_name {
     uint64_t vertex[2], edge;
     bool new_vertex[2], new_edge;
+    bool against; // the edge runs against the direction of its key (kn_brep_seed)
 } kn_brep_name;
 
 enum { KN_BREP_NONE = -1 };
@@ -50,13 +51,28 @@ void kn_brep_destroy(kn_ctx *ctx, kn_brep *b); // NULL is fine
 kn_status kn_brep_add(kn_ctx *ctx, kn_brep *b, const kn_brep_edge *edges, int n, const kn_brep_key (*pairs)[2],
                       int npairs, uint64_t *next, kn_brep_name *names);
 // The number and the look of the face added last. *closed: the body that it closed, none of whose edges waits for
-// another face and each of which two faces use in opposite directions; KN_BREP_NONE: none.
+// another face and each of which two faces use in opposite directions; KN_BREP_NONE: none, or one that is held.
 kn_status kn_brep_end_face(kn_ctx *ctx, kn_brep *b, uint64_t number, int look, int *closed);
 
 // A body of faces that meet nobody, or a list of any numbers: never closed.
 kn_status kn_brep_open(kn_ctx *ctx, kn_brep *b, int *body);
 // One more number in such a body.
 kn_status kn_brep_append(kn_ctx *ctx, kn_brep *b, int body, uint64_t number, int look);
+
+// ---- bodies of others, whose edges are there before the faces ----
+// A body that is told and found again by kn_brep_root, and never told to be closed.
+kn_status kn_brep_hold(kn_ctx *ctx, kn_brep *b, int *body);
+// A face of that body uses the edge already, in the direction of its key or not (forward): what it and its vertices
+// are called, and whether the edge of that name runs against that direction. fails: KN_EDOMAIN there is an edge of this key, or a vertex of one of these keys with another number.
+kn_status kn_brep_seed(kn_ctx *ctx, kn_brep *b, int body, const kn_brep_edge *edge, uint64_t number,
+                       const uint64_t vertex[2], bool against);
+// The face that was added last belongs to this body.
+void kn_brep_tie(kn_brep *b, int body);
+// What the body has become a part of; whether a held one is; its edges that wait, and whether two faces use one of its
+// edges in the same direction.
+int kn_brep_root(const kn_brep *b, int body);
+bool kn_brep_held(const kn_brep *b, int body);
+uint32_t kn_brep_waiting(const kn_brep *b, int body, bool *odd);
 
 // Bodies that wait at the end: *body = the next one after *body (KN_BREP_NONE: from the first on); false: no more.
 bool kn_brep_next_body(const kn_brep *b, int *body);

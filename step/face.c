@@ -217,21 +217,26 @@ static void find_edges(kn_step_item *item, kn_step_net *f, bool turned[4])
                        turned[v == 0 ? 3 : 0] == turned[v == 0 ? 1 : 2];
 }
 
-void kn_step_name(char name[KN_STEP_NAME_BYTES], const kn_patch_id *id, const char *part, bool face)
+void kn_step_name(char name[KN_STEP_NAME_BYTES], const kn_step_naming *naming, const kn_patch_id *id,
+                  const char *part, bool face, bool exact)
 {
     size_t room = (size_t)KN_STEP_NAME_BYTES;
-    int length = snprintf(name, room, "s%d c%d,%d %s", id->surface, id->cell[0], id->cell[1], part);
-    if (!face || length < 0 || (size_t)length >= room) return;
-    int more = snprintf(name + length, room - (size_t)length, " %d", id->patch);
-    length += more;
-    if (id->piece > 0 && more > 0 && (size_t)length < room)
-        snprintf(name + length, room - (size_t)length, ".%d", id->piece);
+    const char *surface = id->surface >= 0 && id->surface < naming->nsurfaces ? naming->surfaces[id->surface] : "";
+    int n = surface[0] ? snprintf(name, room, "%.*s", KN_NAME_BYTES - 1, surface)
+                       : snprintf(name, room, "s%d", id->surface);
+    n += snprintf(name + n, room - (size_t)n, " c%d,%d %.*s", id->cell[0], id->cell[1], KN_NAME_BYTES - 1, part);
+    if (!face) return;
+    n += snprintf(name + n, room - (size_t)n, " %d", id->patch);
+    if (id->piece > 0) n += snprintf(name + n, room - (size_t)n, ".%d", id->piece);
+    if (naming->mark && !exact) snprintf(name + n, room - (size_t)n, " ~");
 }
 
-kn_status kn_step_put_face(kn_text *text, kn_step_item *item, const kn_patch *patch, const char *part, double mm)
+kn_status kn_step_put_face(kn_text *text, kn_step_item *item, const kn_patch *patch, const kn_step_naming *naming,
+                           const char *part, double mm)
 {
-    *item = (kn_step_item){.kind = KN_STEP_FACE, .look = patch->look, .id = patch->id, .reversed = patch->reversed};
-    if (patch->trim) return kn_step_put_trimmed(text, item, patch, part, mm);
+    *item = (kn_step_item){.kind = KN_STEP_FACE, .look = patch->look, .id = patch->id};
+    item->reversed = patch->reversed, item->exact = patch->exact;
+    if (patch->trim) return kn_step_put_trimmed(text, item, patch, naming, part, mm);
     kn_step_net f;
     bool turned[4];
     kn_mark mark = kn_scratch_mark(text->ctx);

@@ -26,6 +26,7 @@ void kn_step_put_surface(kn_text *text, const kn_step_net *f); // number n
 kn_status kn_step_edge_spline(kn_ctx *ctx, kn_spline *out, const kn_patch *patch, int e);
 
 // ---- trimmed.c ----
-kn_status kn_step_put_trimmed(kn_text *text, kn_step_item *item, const kn_patch *patch, const char *part, double mm);
+kn_status kn_step_put_trimmed(kn_text *text, kn_step_item *item, const kn_patch *patch, const kn_step_naming *naming,
+                              const char *part, double mm);
 
 #endif

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Faces of a STEP file with the edges and vertices that they share; bodies that are closed become solids at once.
 #include "step/join.h"
+#include "step/line.h"
 
 #include "kernel/context.h"
 
@@ -9,9 +10,9 @@
 
 enum { LONG_TEXT = 1 << 20 };
 
-static uint64_t look_number(int look)
+static uint64_t look_number(const kn_step_join *j, int look)
 {
-    return KN_STEP_PARTS + KN_STEP_PART_NUMBERS * (uint64_t)look;
+    return j->origin + KN_STEP_PARTS + KN_STEP_PART_NUMBERS * (uint64_t)look;
 }
 
 // "#number=" and the form, whose every '#' is the next one of the references.
@@ -29,7 +30,40 @@ static void put_form(kn_text *text, uint64_t number, const char *form, const uin
 
 // ---- life ----
 
-kn_status kn_step_join_begin(kn_ctx *ctx, kn_step_join *j, const kn_tile *tile)
+// An edge of the host as brep knows it.
+static kn_status seed(kn_ctx *ctx, kn_step_join *j, const kn_step_seed *s, double mm)
+{
+    const kn_step_host *host = j->host;
+    kn_step_line line;
+    bool turned, unused;
+    if (s->shell < 0 || s->shell >= host->nshells || kn_spline_dim(&s->curve) != 3 || s->curve.nvars != 1)
+        return kn_fail(ctx, KN_EDOMAIN, "STEP: edge #%u of the body: shell %d of %d, a curve of dimension %d",
+                       s->edge, s->shell, host->nshells, kn_spline_dim(&s->curve));
+    kn_mark mark = kn_scratch_mark(ctx);
+    kn_status status = kn_step_load_line(ctx, &line, &s->curve, mm, 0);
+    if (status == KN_OK) {
+        const double *end[2] = {line.point, line.point + (line.axis.n - 1) * line.step};
+        kn_brep_edge e = {.key = kn_step_line_key(&turned, &line)};
+        uint64_t vertex[2] = {s->vertex[turned], s->vertex[!turned]};
+        e.forward = s->forward != turned;
+        for (int k = 0; k < 2; k++) e.vertex[k] = kn_brep_hash(&unused, end[turned ? 1 - k : k], 3, 1, 1, 0);
+        status = kn_brep_seed(ctx, j->brep, j->held[s->shell], &e, s->edge, vertex, s->along == turned);
+    }
+    kn_scratch_release(ctx, mark);
+    return status;
+}
+
+static kn_status begin_host(kn_ctx *ctx, kn_step_join *j, double mm)
+{
+    const kn_step_host *host = j->host;
+    j->held = kn_alloc(ctx, (size_t)host->nshells + 1, sizeof *j->held);
+    kn_status status = j->held ? KN_OK : KN_ENOMEM;
+    for (int i = 0; i < host->nshells && status == KN_OK; i++) status = kn_brep_hold(ctx, j->brep, &j->held[i]);
+    for (int i = 0; i < host->nseeds && status == KN_OK; i++) status = seed(ctx, j, &host->seeds[i], mm);
+    return status;
+}
+
+kn_status kn_step_join_begin(kn_ctx *ctx, kn_step_join *j, const kn_tile *tile, double mm)
 {
     j->looks = kn_alloc_zero(ctx, (size_t)tile->nparts, sizeof *j->looks);
     if (j->looks == NULL) return KN_ENOMEM;
@@ -40,17 +74,29 @@ kn_status kn_step_join_begin(kn_ctx *ctx, kn_step_join *j, const kn_tile *tile)
         j->looks[i].material = tile->parts[i].material;
         j->looks[i].loose = j->looks[i].curves = KN_BREP_NONE;
     }
-    j->next = look_number(tile->nparts);
+    j->origin = j->host ? j->host->numbers : 0;
+    j->next = look_number(j, tile->nparts);
     kn_status status = kn_brep_create(ctx, &j->brep);
     if (status == KN_OK) status = kn_brep_open(ctx, j->brep, &j->solids);
     if (status == KN_OK) status = kn_brep_open(ctx, j->brep, &j->styled);
-    return status;
+    return status == KN_OK && j->host ? begin_host(ctx, j, mm) : status;
+}
+
+void kn_step_join_put_begin(const kn_step_join *j, kn_text *out)
+{
+    if (j->host) {
+        kn_text_bytes(out, j->host->entities, j->host->bytes);
+        if (j->host->bytes > 0 && j->host->entities[j->host->bytes - 1] != '\n') kn_text_newline(out);
+        return;
+    }
+    kn_step_put_product(out, j->origin, j->about);
+    kn_step_put_units(out, j->origin, j->about);
 }
 
 void kn_step_join_clear(kn_ctx *ctx, kn_step_join *j)
 {
     kn_brep_destroy(ctx, j->brep);
-    kn_free(ctx, j->looks);
+    kn_free(ctx, j->looks), kn_free(ctx, j->held);
     *j = (kn_step_join){0};
 }
 
@@ -73,20 +119,28 @@ static kn_status put_faces(const kn_brep *brep, int body, kn_text *out, kn_statu
 static kn_status style(kn_ctx *ctx, kn_step_join *j, kn_text *out, uint64_t item, int look)
 {
     j->looks[look].used = true;
-    kn_step_put_styled(out, j->next, look_number(look), item);
+    kn_step_put_styled(out, j->next, look_number(j, look), item);
     j->nstyled++;
     return kn_brep_append(ctx, j->brep, j->styled, j->next++, 0);
+}
+
+static kn_status style_faces(kn_ctx *ctx, kn_step_join *j, kn_text *out, int body,
+                             kn_status (*put)(void *user, kn_text *out), void *user)
+{
+    kn_status status = KN_OK;
+    kn_brep_walk walk = kn_brep_faces(j->brep, body);
+    while (status == KN_OK && kn_brep_step(j->brep, &walk)) {
+        status = style(ctx, j, out, walk.number, walk.look);
+        if (status == KN_OK && put != NULL && out->bytes > LONG_TEXT) status = put(user, out);
+    }
+    return status;
 }
 
 // The item, or where its faces have several looks each of them.
 static kn_status style_body(kn_ctx *ctx, kn_step_join *j, kn_text *out, uint64_t item, int body)
 {
     int look = kn_brep_look(j->brep, body);
-    if (look != KN_BREP_NONE) return style(ctx, j, out, item, look);
-    kn_status status = KN_OK;
-    kn_brep_walk walk = kn_brep_faces(j->brep, body);
-    while (status == KN_OK && kn_brep_step(j->brep, &walk)) status = style(ctx, j, out, walk.number, walk.look);
-    return status;
+    return look != KN_BREP_NONE ? style(ctx, j, out, item, look) : style_faces(ctx, j, out, body, NULL, NULL);
 }
 
 static kn_status put_solid(kn_ctx *ctx, kn_step_join *j, kn_text *out, const kn_step_item *item, int body)
@@ -100,7 +154,7 @@ static kn_status put_solid(kn_ctx *ctx, kn_step_join *j, kn_text *out, const kn_
     kn_text_put(out, "));\n");
     kn_step_put_number(out, solid);
     kn_text_put(out, "MANIFOLD_SOLID_BREP(");
-    kn_step_name(name, &item->id, j->looks[item->look].name, false);
+    kn_step_name(name, j->naming, &item->id, j->looks[item->look].name, false, true);
     kn_text_step_string(out, name);
     kn_text_char(out, ',');
     kn_text_reference(out, shell);
@@ -133,7 +187,7 @@ static void put_edges(kn_step_join *j, kn_text *out, const kn_step_item *item, c
     }
     for (int i = 0; i < item->nedges; i++)
         put_form(out, j->next + (uint64_t)i,
-                 item->along[i] ? "ORIENTED_EDGE('',*,*,#,.T.);" : "ORIENTED_EDGE('',*,*,#,.F.);",
+                 item->along[i] != names[i].against ? "ORIENTED_EDGE('',*,*,#,.T.);" : "ORIENTED_EDGE('',*,*,#,.F.);",
                  (uint64_t[]){names[i].edge});
 }
 
@@ -166,7 +220,7 @@ static void put_face(kn_step_join *j, kn_text *out, const kn_step_item *item, ui
 {
     char name[KN_STEP_NAME_BYTES];
     const char *sense = item->reversed ? ".F.);" : ".T.);";
-    kn_step_name(name, &item->id, j->looks[item->look].name, true);
+    kn_step_name(name, j->naming, &item->id, j->looks[item->look].name, true, item->exact);
     kn_step_put_number(out, j->next);
     kn_text_put(out, "FACE_OUTER_BOUND('',");
     kn_text_reference(out, loop);
@@ -193,6 +247,15 @@ static kn_status list(kn_ctx *ctx, kn_step_join *j, int *body, uint64_t number, 
     return status == KN_OK ? kn_brep_append(ctx, j->brep, *body, number, look) : status;
 }
 
+// Faces in the place of a whole shell of the host.
+static void tie(kn_step_join *j, const kn_step_item *item)
+{
+    const kn_step_host *host = j->host;
+    if (!host || !host->shell_of || item->id.surface < 0 || item->id.surface >= host->nsurfaces) return;
+    int shell = host->shell_of[item->id.surface];
+    if (shell >= 0 && shell < host->nshells && host->shells[shell].nfaces == 0) kn_brep_tie(j->brep, j->held[shell]);
+}
+
 kn_status kn_step_join_item(kn_ctx *ctx, kn_step_join *j, kn_text *out, const kn_step_item *item, const char *data)
 {
     kn_brep_name names[4];
@@ -214,6 +277,7 @@ kn_status kn_step_join_item(kn_ctx *ctx, kn_step_join *j, kn_text *out, const kn
         if (status != KN_OK) return status;
         uint64_t loop = put_loop(j, out, item, names, base, data);
         put_face(j, out, item, base, loop);
+        if (item->nedges > 0) tie(j, item);
         status = item->nedges > 0 ? kn_brep_end_face(ctx, j->brep, j->next - 1, item->look, &closed)
                                   : list(ctx, j, &look->loose, j->next - 1, item->look);
         if (status == KN_OK && closed != KN_BREP_NONE) status = put_solid(ctx, j, out, item, closed);
@@ -225,10 +289,10 @@ kn_status kn_step_join_item(kn_ctx *ctx, kn_step_join *j, kn_text *out, const kn
 
 // ---- the end ----
 
-typedef struct shell {
+typedef struct open_shell {
     uint64_t number;
     int look;
-} shell;
+} open_shell;
 
 static bool is_list(const kn_step_join *j, int body)
 {
@@ -238,21 +302,21 @@ static bool is_list(const kn_step_join *j, int body)
 }
 
 // An open shell for each body that is not closed.
-static kn_status put_shells(kn_ctx *ctx, kn_step_join *j, kn_text *out, shell **shells,
+static kn_status put_shells(kn_ctx *ctx, kn_step_join *j, kn_text *out, open_shell **shells,
                             kn_status (*put)(void *user, kn_text *out), void *user)
 {
     size_t room = 0;
     kn_status status = KN_OK;
     for (int body = KN_BREP_NONE; status == KN_OK && kn_brep_next_body(j->brep, &body);) {
-        if (is_list(j, body)) continue;
+        if (is_list(j, body) || kn_brep_held(j->brep, body)) continue;
         if (j->nshells == room) {
             room = room > 0 ? 2 * room : 16;
-            shell *more = kn_resize(ctx, *shells, room, sizeof *more);
+            open_shell *more = kn_resize(ctx, *shells, room, sizeof *more);
             if (more == NULL) return KN_ENOMEM;
             *shells = more;
         }
         int look = kn_brep_look(j->brep, body);
-        (*shells)[j->nshells++] = (shell){j->next, look};
+        (*shells)[j->nshells++] = (open_shell){j->next, look};
         kn_step_put_number(out, j->next++);
         kn_text_put(out, "OPEN_SHELL(");
         kn_text_step_string(out, look != KN_BREP_NONE ? j->looks[look].name : "");
@@ -264,8 +328,53 @@ static kn_status put_shells(kn_ctx *ctx, kn_step_join *j, kn_text *out, shell **
     return status;
 }
 
+static kn_status check_shell(kn_ctx *ctx, const kn_step_join *j, int k)
+{
+    const kn_step_shell *shell = &j->host->shells[k];
+    int root = kn_brep_root(j->brep, j->held[k]);
+    bool odd;
+    uint32_t open = kn_brep_waiting(j->brep, root, &odd);
+    for (int i = 0; i < k; i++)
+        if (kn_brep_root(j->brep, j->held[i]) == root)
+            return kn_fail(ctx, KN_EDOMAIN, "STEP: patches join shells #%u and #%u of the body",
+                           j->host->shells[i].number, shell->number);
+    if (!shell->closed || (open == 0 && !odd)) return KN_OK;
+    if (open == 0)
+        return kn_fail(ctx, KN_EDOMAIN,
+                       "STEP: patches look out of shell #%u of the body at one side of an edge, and "
+                       "into it at the other",
+                       shell->number);
+    return kn_fail(ctx, KN_EDOMAIN, "STEP: shell #%u of the body would be open: %u edges have one face only",
+                   shell->number, open);
+}
+
+// The host's shells: faces that stay, then patches.
+static kn_status put_host_shells(kn_ctx *ctx, kn_step_join *j, kn_text *out,
+                                 kn_status (*put)(void *user, kn_text *out), void *user)
+{
+    kn_status status = KN_OK;
+    for (int k = 0; j->host && k < j->host->nshells && status == KN_OK; k++) {
+        const kn_step_shell *shell = &j->host->shells[k];
+        int root = kn_brep_root(j->brep, j->held[k]);
+        status = check_shell(ctx, j, k);
+        if (status != KN_OK) return status;
+        kn_step_put_number(out, shell->number);
+        kn_text_put(out, shell->closed ? "CLOSED_SHELL('',(" : "OPEN_SHELL('',(");
+        for (int i = 0; i < shell->nfaces; i++) {
+            if (i > 0) kn_text_comma(out);
+            kn_text_reference(out, shell->faces[i]);
+        }
+        kn_brep_walk walk = kn_brep_faces(j->brep, root);
+        if (shell->nfaces > 0 && walk.left > 0) kn_text_comma(out);
+        status = put_faces(j->brep, root, out, put, user);
+        kn_text_put(out, "));\n");
+        if (status == KN_OK) status = style_faces(ctx, j, out, root, put, user);
+    }
+    return status;
+}
+
 // One surface model of all shells of a look, the last one of those that have several. *written: number, or 0.
-static kn_status put_model(kn_step_join *j, kn_text *out, const shell *shells, int look, uint64_t number,
+static kn_status put_model(kn_step_join *j, kn_text *out, const open_shell *shells, int look, uint64_t number,
                            bool *written, kn_status (*put)(void *user, kn_text *out), void *user)
 {
     kn_status status = KN_OK;
@@ -292,7 +401,7 @@ static kn_status put_model(kn_step_join *j, kn_text *out, const shell *shells, i
 static kn_status put_curves(kn_step_join *j, kn_text *out, int look, kn_status (*put)(void *user, kn_text *out),
                             void *user)
 {
-    kn_step_put_number(out, look_number(look) + 1);
+    kn_step_put_number(out, look_number(j, look) + 1);
     kn_text_put(out, "GEOMETRIC_CURVE_SET(");
     kn_text_step_string(out, j->looks[look].name);
     kn_text_put(out, ",(");
@@ -312,7 +421,7 @@ static const char *representation(const kn_step_join *j)
 
 // "('',(" what is told, then the numbers of a list "),#15);"
 static kn_status put_representation(const kn_step_join *j, kn_text *out, uint64_t number, const char *name,
-                                    const uint64_t *items, int nitems, int body,
+                                    const uint64_t *items, int nitems, int body, uint64_t context,
                                     kn_status (*put)(void *user, kn_text *out), void *user)
 {
     kn_step_put_number(out, number);
@@ -326,21 +435,36 @@ static kn_status put_representation(const kn_step_join *j, kn_text *out, uint64_
     if (nitems > 0 && walk.left > 0) kn_text_comma(out);
     kn_status status = put_faces(j->brep, body, out, put, user);
     kn_text_put(out, "),");
-    kn_text_reference(out, KN_STEP_GEOMETRY_CONTEXT);
+    kn_text_reference(out, context);
     kn_text_put(out, ");");
     kn_text_newline(out);
     return status;
 }
 
-static kn_status put_end(kn_ctx *ctx, kn_step_join *j, kn_text *out, shell **shells, uint64_t *items,
+// What belongs to no shell of a host: the product's representation, and its own beginning where a host has the file's.
+static kn_status put_product(kn_step_join *j, kn_text *out, const uint64_t *items, int nitems,
+                             kn_status (*put)(void *user, kn_text *out), void *user)
+{
+    uint64_t context = j->origin + KN_STEP_GEOMETRY_CONTEXT;
+    if (j->host && j->nsolids + j->nshells + j->ncurves == 0) return KN_OK;
+    if (j->host) {
+        kn_step_put_product(out, j->origin, j->about);
+        kn_step_put_units(out, j->origin, j->about);
+    }
+    return put_representation(j, out, j->origin + KN_STEP_REPRESENTATION, representation(j), items, nitems, j->solids,
+                              context, put, user);
+}
+
+static kn_status put_end(kn_ctx *ctx, kn_step_join *j, kn_text *out, open_shell **shells, uint64_t *items,
                          kn_status (*put)(void *user, kn_text *out), void *user)
 {
     int nitems = 0;
     bool written;
-    items[nitems++] = KN_STEP_PLACEMENT;
-    kn_status status = put_shells(ctx, j, out, shells, put, user);
+    items[nitems++] = j->origin + KN_STEP_PLACEMENT;
+    kn_status status = put_host_shells(ctx, j, out, put, user);
+    if (status == KN_OK) status = put_shells(ctx, j, out, shells, put, user);
     for (int i = 0; i < j->nlooks && status == KN_OK; i++) {
-        uint64_t first = look_number(i);
+        uint64_t first = look_number(j, i);
         status = put_model(j, out, *shells, i, first, &written, put, user);
         if (written) items[nitems++] = first;
         if (status == KN_OK && written) status = style(ctx, j, out, first, i);
@@ -352,20 +476,18 @@ static kn_status put_end(kn_ctx *ctx, kn_step_join *j, kn_text *out, shell **she
     }
     if (status == KN_OK) status = put_model(j, out, *shells, KN_BREP_NONE, j->next, &written, put, user);
     if (status == KN_OK && written) items[nitems++] = j->next++;
-    if (status == KN_OK)
-        status = put_representation(j, out, KN_STEP_REPRESENTATION, representation(j), items, nitems, j->solids, put,
-                                    user);
+    if (status == KN_OK) status = put_product(j, out, items, nitems, put, user);
     if (status == KN_OK && j->nstyled > 0)
-        status = put_representation(j, out, KN_STEP_PRESENTATION,
+        status = put_representation(j, out, j->origin + KN_STEP_PRESENTATION,
                                     "MECHANICAL_DESIGN_GEOMETRIC_PRESENTATION_REPRESENTATION", NULL, 0, j->styled,
-                                    put, user);
+                                    j->host ? j->host->context : j->origin + KN_STEP_GEOMETRY_CONTEXT, put, user);
     return status;
 }
 
 kn_status kn_step_join_end(kn_ctx *ctx, kn_step_join *j, kn_text *out, kn_status (*put)(void *user, kn_text *out),
                            void *user)
 {
-    shell *shells = NULL;
+    open_shell *shells = NULL;
     uint64_t *items = kn_alloc(ctx, 2 * (size_t)j->nlooks + 2, sizeof *items);
     kn_status status = items ? put_end(ctx, j, out, &shells, items, put, user) : KN_ENOMEM;
     kn_free(ctx, items), kn_free(ctx, shells);

@@ -14,14 +14,23 @@ typedef struct kn_step_look {
 
 typedef struct kn_step_join {
     kn_brep *brep;
-    uint64_t next; // number that is free
+    const kn_step_naming *naming;
+    const kn_step_about *about;
+    const kn_step_host *host; // or NULL
+    int *held;                // bodies of its shells
+    uint64_t origin;          // from which the fixed numbers count
+    uint64_t next;            // number that is free
     kn_step_look *looks;
     int nlooks;
     int solids, styled; // lists of numbers
     uint64_t nsolids, nstyled, nshells, ncurves;
 } kn_step_join;
 
-kn_status kn_step_join_begin(kn_ctx *ctx, kn_step_join *j, const kn_tile *tile);
+// naming, about and host (NULL: none) are set before; mm: of a length unit.
+// fails: KN_EDOMAIN (the host).
+kn_status kn_step_join_begin(kn_ctx *ctx, kn_step_join *j, const kn_tile *tile, double mm);
+// Entities that come before all others.
+void kn_step_join_put_begin(const kn_step_join *j, kn_text *out);
 void kn_step_join_clear(kn_ctx *ctx, kn_step_join *j);
 // Appends one item to out: data has its text and that of its edges, from the end of the item before it on. Where it
 // closes a body, the solid follows. fails: KN_ENOMEM; KN_ELIMIT numbers that readers do not keep.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A sink that writes patches as STEP AP214 while they are composed: solids where faces close, open shells elsewhere.
+// A sink that writes patches as STEP while they are composed: solids where faces close, open shells elsewhere.
 #include <knurl/step.h>
 
 #include "io/out_file.h"
@@ -7,14 +7,17 @@
 #include "kernel/context.h"
 
 #include <limits.h>
+#include <math.h>
+#include <stdio.h>
 #include <string.h>
 
 enum { FLUSH_BYTES = 1 << 20, ENTITIES = 9 }; // of a face, at least, beside its points: see number_patches
 
 typedef struct step {
     kn_out_file *file;
-    char *product, *time_stamp;
-    double unit_mm, uncertainty_mm;
+    kn_step_about about;
+    kn_step_naming naming;
+    double unit_mm;
     kn_step_join join;
     int degree[2], volume_degree;
     bool curves;
@@ -47,6 +50,25 @@ static kn_status flush(kn_ctx *ctx, step *s, kn_text *text)
 
 // ---- begin ----
 
+// Gaps between neighbours, and how the faces that are not exact are known.
+static void describe(step *s, const kn_job_report *r)
+{
+    kn_step_about *a = &s->about;
+    double mm = s->unit_mm, off = r->stand_in_error + r->crossing_error + r->fit_tolerance;
+    bool all = r->exact_patches == r->patches && r->fit_degree == 0, none = r->exact_patches == 0;
+    s->naming.mark = !all && (!none || r->fit_degree > 0);
+    // two pieces side by side may each be off by as much
+    a->uncertainty_mm = fmax(a->uncertainty_mm, 2.0 * mm * (r->stand_in_error + r->crossing_error));
+    snprintf(a->text[0], sizeof a->text[0], "degree at most %d,%d; %s", r->degree[0], r->degree[1],
+             all              ? "all faces are exact"
+             : s->naming.mark ? "faces named .. ~ are approximations, all others exact"
+                              : "all faces are approximations");
+    if (all || !(off > 0.0)) return;
+    snprintf(a->text[1], sizeof a->text[1], "certified distance from the exact texture: at most %.3g mm", mm * off);
+    snprintf(a->text[2], sizeof a->text[2], "of it: stand-in of the normal %.3g, crossings %.3g, degree limit %.3g",
+             mm * r->stand_in_error, mm * r->crossing_error, mm * r->fit_tolerance);
+}
+
 // Many readers keep entity numbers in 32 bits: what can never fit is refused before anything is composed.
 static kn_status take_report(kn_ctx *ctx, step *s, const kn_job_report *report)
 {
@@ -54,6 +76,7 @@ static kn_status take_report(kn_ctx *ctx, step *s, const kn_job_report *report)
     s->volume_degree = report->volumes == 0 ? -1 : s->degree[0] < s->degree[1] ? s->degree[0] : s->degree[1];
     s->curves = report->curves > 0;
     s->patches = report->patches;
+    describe(s, report);
     if (report->meshes > 0)
         return kn_fail(ctx, KN_EDOMAIN,
                        "STEP: %zu of the patches are meshes, and faces are spline surfaces: write STL, OBJ or glTF",
@@ -70,9 +93,10 @@ static kn_status step_begin(kn_ctx *ctx, void *user, const kn_tile *tile, const 
     step *s = user;
     kn_text text = {.ctx = ctx};
     kn_status status = take_report(ctx, s, report);
-    if (status == KN_OK) status = kn_step_join_begin(ctx, &s->join, tile);
+    if (status == KN_OK) status = kn_step_join_begin(ctx, &s->join, tile, s->unit_mm);
     if (status == KN_OK) {
-        kn_step_put_header(&text, s->product, s->time_stamp, s->uncertainty_mm);
+        kn_step_put_header(&text, &s->about);
+        kn_step_join_put_begin(&s->join, &text);
         status = flush(ctx, s, &text);
     }
     kn_text_clear(&text);
@@ -97,9 +121,9 @@ static kn_status put_face(kn_ctx *ctx, const step *s, written *w, const kn_patch
 {
     kn_step_item *item = &w->items[w->nitems];
     size_t begin = w->text.bytes;
-    kn_status status = kn_patch_nvars(patch) == 1
-                           ? kn_step_put_curve(&w->text, item, patch, s->unit_mm)
-                           : kn_step_put_face(&w->text, item, patch, s->join.looks[patch->look].name, s->unit_mm);
+    kn_status status = kn_patch_nvars(patch) == 1 ? kn_step_put_curve(&w->text, item, patch, s->unit_mm)
+                                                  : kn_step_put_face(&w->text, item, patch, &s->naming,
+                                                                     s->join.looks[patch->look].name, s->unit_mm);
     (void)ctx;
     item->text_begin = begin;
     w->nitems++;
@@ -202,8 +226,10 @@ static void step_close(kn_ctx *ctx, void *user)
     step *s = user;
     kn_out_close(ctx, s->file);
     kn_step_join_clear(ctx, &s->join);
-    kn_free(ctx, s->product);
-    kn_free(ctx, s->time_stamp);
+    kn_free(ctx, s->about.product);
+    kn_free(ctx, s->about.time_stamp);
+    for (int i = 0; i < s->naming.nsurfaces; i++) kn_free(ctx, s->naming.surfaces[i]);
+    kn_free(ctx, s->naming.surfaces);
     kn_free(ctx, s);
 }
 
@@ -228,10 +254,31 @@ static kn_status step_restore(kn_ctx *ctx, void *user, const kn_tile *tile, cons
     step *s = user;
     kn_state_reader r = {data, bytes};
     kn_status status = take_report(ctx, s, report);
-    if (status == KN_OK) status = kn_step_join_begin(ctx, &s->join, tile);
+    if (status == KN_OK) status = kn_step_join_begin(ctx, &s->join, tile, s->unit_mm);
     if (status == KN_OK) status = kn_out_restore(ctx, s->file, &r);
     if (status == KN_OK) status = kn_step_join_restore(ctx, &s->join, &r);
     return status == KN_OK && r.bytes > 0 ? kn_state_fail(ctx, "STEP") : status;
+}
+
+static kn_status copy_options(kn_ctx *ctx, step *s, const kn_step_options *o)
+{
+    kn_step_about *about = &s->about;
+    s->unit_mm = o->unit_mm > 0.0 ? o->unit_mm : 1.0;
+    about->uncertainty_mm = o->uncertainty_mm > 0.0 ? o->uncertainty_mm : 1e-3;
+    about->schema = o->schema;
+    s->join.host = o->host, s->join.about = about, s->join.naming = &s->naming;
+    kn_status status = copy_string(ctx, &about->product, o->product != NULL ? o->product : "knurl");
+    if (status == KN_OK)
+        status = copy_string(ctx, &about->time_stamp, o->time_stamp != NULL ? o->time_stamp : "1970-01-01T00:00:00");
+    int n = o->surface_names ? o->nsurfaces : 0;
+    if (status == KN_OK && n > 0) {
+        s->naming.surfaces = kn_alloc_zero(ctx, (size_t)n, sizeof *s->naming.surfaces);
+        if (!s->naming.surfaces) return KN_ENOMEM;
+        s->naming.nsurfaces = n;
+    }
+    for (int i = 0; i < n && status == KN_OK; i++)
+        status = copy_string(ctx, &s->naming.surfaces[i], o->surface_names[i] ? o->surface_names[i] : "");
+    return status;
 }
 
 kn_status kn_step_sink(kn_ctx *ctx, kn_sink *out, const char *path, const kn_step_options *options)
@@ -239,13 +286,11 @@ kn_status kn_step_sink(kn_ctx *ctx, kn_sink *out, const char *path, const kn_ste
     kn_step_options o = options != NULL ? *options : (kn_step_options){0};
     if (!(o.unit_mm >= 0.0 && o.unit_mm < 1e12 && o.uncertainty_mm >= 0.0 && o.uncertainty_mm < 1e12))
         return kn_fail(ctx, KN_EDOMAIN, "STEP: unit %g mm, uncertainty %g mm", o.unit_mm, o.uncertainty_mm);
+    if ((int)o.schema < 0 || o.schema > KN_STEP_AP203 || o.nsurfaces < 0)
+        return kn_fail(ctx, KN_EDOMAIN, "STEP: schema %d, %d names of surfaces", (int)o.schema, o.nsurfaces);
     step *s = kn_alloc_zero(ctx, 1, sizeof *s);
     if (s == NULL) return KN_ENOMEM;
-    s->unit_mm = o.unit_mm > 0.0 ? o.unit_mm : 1.0;
-    s->uncertainty_mm = o.uncertainty_mm > 0.0 ? o.uncertainty_mm : 1e-3;
-    kn_status status = copy_string(ctx, &s->product, o.product != NULL ? o.product : "knurl");
-    if (status == KN_OK)
-        status = copy_string(ctx, &s->time_stamp, o.time_stamp != NULL ? o.time_stamp : "1970-01-01T00:00:00");
+    kn_status status = copy_options(ctx, s, &o);
     if (status == KN_OK) status = kn_out_open(ctx, &s->file, path);
     if (status != KN_OK) {
         step_close(ctx, s);

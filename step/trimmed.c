@@ -271,7 +271,7 @@ static void put_loop(const trimmed *t, int first, int last, uint32_t context, ui
 
 // ---- the face ----
 
-static uint32_t put_all(trimmed *t, const char *part)
+static uint32_t put_all(trimmed *t, const kn_step_naming *naming, const char *part)
 {
     kn_text *text = t->text;
     const kn_trim *trim = t->patch->trim;
@@ -291,7 +291,7 @@ static uint32_t put_all(trimmed *t, const char *part)
              NULL);
     for (int i = 0, first = 0; i < trim->nloops; first = trim->loop_end[i++])
         put_loop(t, first, trim->loop_end[i], context, bounds + LOOP_NUMBERS * (uint32_t)i);
-    kn_step_name(name, &t->patch->id, part, true);
+    kn_step_name(name, naming, &t->patch->id, part, true, t->patch->exact);
     kn_step_put_relative(text, (uint32_t)t->net.n + KN_STEP_FACE_NUMBERS - 1);
     kn_text_put(text, "ADVANCED_FACE(");
     kn_text_step_string(text, name);
@@ -307,7 +307,8 @@ static uint32_t put_all(trimmed *t, const char *part)
     return next;
 }
 
-kn_status kn_step_put_trimmed(kn_text *text, kn_step_item *item, const kn_patch *patch, const char *part, double mm)
+kn_status kn_step_put_trimmed(kn_text *text, kn_step_item *item, const kn_patch *patch, const kn_step_naming *naming,
+                              const char *part, double mm)
 {
     kn_ctx *ctx = text->ctx;
     trimmed t = {.text = text, .patch = patch, .mm = mm};
@@ -321,7 +322,7 @@ kn_status kn_step_put_trimmed(kn_text *text, kn_step_item *item, const kn_patch 
         status = make_edge(ctx, &t, &t.edges[k], &patch->trim->curves[k]);
     if (status == KN_OK) {
         item->kind = KN_STEP_TRIMMED;
-        item->numbers = put_all(&t, part);
+        item->numbers = put_all(&t, naming, part);
         item->main = (uint32_t)t.net.n + KN_STEP_FACE_NUMBERS - 1;
         item->text_end = text->bytes;
     }

@@ -1,16 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
-// Inside step: the pieces of a STEP AP214 file (ISO 10303-21, 10303-214) and its numbering.
+// Inside step: the pieces of a STEP file (ISO 10303-21, 10303-214, -242, -203) and its numbering.
 //
 // Threads write what belongs to one patch alone, with numbers that count from the patch (kn_text_relative): points,
 // surface, curves of its edges. Then, in the job's order, patch after patch gets its numbers, the edges that it shares
 // with earlier ones are found (brep.h), and what they have in common is written once.
+// All numbers count from that of the last entity of a host body:
 //     1 .. 21                    context, units, product, representations
+//     30 .. 59                   what AP203 wants beside these
 //     100 + 16 p ..              surface model and colour of look p
 //     KN_STEP_PARTS + 16 nparts  all else, in the order of the file
 #ifndef STEP_WRITE_H
 #define STEP_WRITE_H
 
-#include <knurl/job.h>
+#include <knurl/step.h>
 
 #include "io/brep.h"
 #include "io/text_buffer.h"
@@ -37,7 +39,7 @@ typedef struct kn_step_item {
     kn_step_kind kind;
     int look;
     kn_patch_id id;
-    bool reversed;
+    bool reversed, exact;
     size_t text_begin, text_end, curve_begin[4], curve_end[4];
     uint32_t numbers; // that the text uses, from 0 on
     uint32_t main;    // the number of the plain face's surface; of the trimmed face, of the curve
@@ -51,17 +53,37 @@ typedef struct kn_step_item {
     int npairs;
 } kn_step_item;
 
-// The header section and everything that does not depend on the patches.
-void kn_step_put_header(kn_text *text, const char *product, const char *time_stamp, double uncertainty_mm);
+// What the beginning of the file says.
+typedef struct kn_step_about {
+    char *product, *time_stamp;
+    kn_step_schema schema;
+    double uncertainty_mm;
+    char text[3][120]; // of FILE_DESCRIPTION
+} kn_step_about;
+// The header section; the product structure; units, uncertainty and an origin.
+void kn_step_put_header(kn_text *text, const kn_step_about *about);
+void kn_step_put_product(kn_text *text, uint64_t origin, const kn_step_about *about);
+void kn_step_put_units(kn_text *text, uint64_t origin, const kn_step_about *about);
+// A form whose every "#k" is number origin + k.
+void kn_step_put_fixed(kn_text *text, uint64_t origin, const char *form);
+
+// How faces are called.
+typedef struct kn_step_naming {
+    char **surfaces; // nsurfaces of them; "": none
+    int nsurfaces;
+    bool mark; // what is not exact
+} kn_step_naming;
+// "s0 c3,4 ring", and for a face " 12" or " 12.1", and " ~".
+enum { KN_STEP_NAME_BYTES = 2 * KN_NAME_BYTES + 96 };
+void kn_step_name(char name[KN_STEP_NAME_BYTES], const kn_step_naming *naming, const kn_patch_id *id,
+                  const char *part, bool face, bool exact);
+
 // Appends patch's points in millimetres, surface and curves, and says in *item how they are to be joined; a trimmed
 // patch's whole face; a curve's points and the curve.
 // fails: KN_EUNDEFINED (a weight that is not positive, a control point that is not finite), KN_ENOMEM.
-KN_CHECKED kn_status kn_step_put_face(kn_text *text, kn_step_item *item, const kn_patch *patch, const char *part,
-                                      double mm);
+KN_CHECKED kn_status kn_step_put_face(kn_text *text, kn_step_item *item, const kn_patch *patch,
+                                      const kn_step_naming *naming, const char *part, double mm);
 KN_CHECKED kn_status kn_step_put_curve(kn_text *text, kn_step_item *item, const kn_patch *patch, double mm);
-// "s0 c3,4 ring", and for a face " 12" or " 12.1".
-enum { KN_STEP_NAME_BYTES = KN_NAME_BYTES + 96 };
-void kn_step_name(char name[KN_STEP_NAME_BYTES], const kn_patch_id *id, const char *part, bool face);
 // The colour of a look, whose numbers start at `first`: first + 3 is the style.
 void kn_step_put_style(kn_text *text, const kn_material *material, uint64_t first);
 // "#number=STYLED_ITEM" of something in the style of a look.
