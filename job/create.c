@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Planning a job: what is asked for is checked and copied, then decided step by step.
+#include "job/border.h"
 #include "job/looks.h"
 
 #include <math.h>
@@ -32,12 +33,14 @@ static kn_status plan(kn_ctx *ctx, kn_job *job, const kn_spline *surfaces, int n
     if (status == KN_OK) status = kn_job_split(ctx, &bases, job, surfaces, nsurfaces);
     if (status == KN_OK) status = kn_job_decide_sizes(ctx, job, &bases);
     if (status == KN_OK) status = kn_job_make_shells(ctx, job, &bases);
+    if (status == KN_OK) status = kn_job_borders_init(ctx, job);
     if (status == KN_OK) status = kn_job_instances_init(ctx, job);
     if (status == KN_OK) status = kn_job_vary_init(ctx, job);
     if (status == KN_OK) status = kn_job_select_init(ctx, job); // by what tiles occupy
     if (status == KN_OK) status = kn_job_plan(ctx, job);
     kn_job_bases_clear(ctx, &bases);
     job->options.thickness = job->options.direction = job->options.attraction = NULL; // the caller's
+    job->options.trims = NULL;
     return status;
 }
 

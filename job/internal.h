@@ -146,6 +146,7 @@ struct kn_job {
     int npatches;
     kn_job_surface *surfaces;
     int nsurfaces;
+    struct kn_job_borders *borders; // of trims; NULL: nothing is trimmed
     struct kn_job_varying *varying; // NULL: tiles are the same everywhere
     struct kn_job_looks *looks;     // colours by fields; NULL: none
     kn_job_variant *variants;       // [0]: as modelled

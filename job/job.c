@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The life of a job, and what it tells.
+#include "job/border.h"
 #include "job/looks.h"
 
 kn_job_options kn_job_defaults(void)
@@ -22,6 +23,7 @@ void kn_job_destroy(kn_ctx *ctx, kn_job *job)
     kn_job_select_clear(ctx, job);
     kn_job_instances_clear(ctx, job);
     kn_job_vary_clear(ctx, job);
+    kn_job_borders_clear(ctx, job);
     kn_job_looks_clear(ctx, job);
     kn_tile_clear(ctx, &job->tile);
     kn_free(ctx, job->patches);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Which cells there are: each is looked at once, before the plan, and has a bit afterwards.
+#include "job/border.h"
 #include "job/depth.h"
 #include "job/vary.h"
 #include "kernel/hash.h"
@@ -148,7 +149,55 @@ static kn_status look_at_box(kn_ctx *ctx, kn_job_drop *why, const selecting *s, 
     return status;
 }
 
-static kn_status judge(kn_ctx *ctx, kn_job_drop *why, const selecting *s, kn_job_extents *extents, size_t index)
+static void mark(uint64_t *bits, size_t index)
+{
+    bits[index / 64] |= (uint64_t)1 << index % 64;
+}
+
+// ---- trims ----
+
+// Whether the border may touch what the tiles of a cell occupy.
+static kn_status reaches_border(kn_ctx *ctx, bool *yes, const selecting *s, kn_job_extents *extents, int surface,
+                                const int cell[2])
+{
+    *yes = false;
+    kn_status status = kn_job_cell_extents(ctx, extents, s->job, surface, cell);
+    for (int k = 0; status == KN_OK && !*yes && k < extents->count; k++) {
+        kn_job_extent e = extents->list[k];
+        kn_job_place place;
+        double lo[2], hi[2];
+        if (!kn_job_place_extent(&place, &e, s->job, surface, cell)) continue;
+        for (int d = 0; d < 2; d++) lo[d] = place.cell[d] + e.lo[d], hi[d] = place.cell[d] + e.hi[d];
+        *yes = kn_job_border_touches(s->job, place.surface, lo, hi);
+    }
+    return status;
+}
+
+// A cell is beyond the border when its middle is, and the border touches neither it nor its tiles.
+static kn_status look_at_trim(kn_ctx *ctx, kn_job_drop *why, const selecting *s, kn_job_extents *extents,
+                              kn_job_border_memo *memo, int surface, const int cell[2], size_t index)
+{
+    const kn_job *job = s->job;
+    kn_answer answer;
+    bool reaches;
+    if (!job->borders) return KN_OK;
+    kn_status status = kn_job_border_cell(ctx, &answer, memo, job, surface, cell);
+    if (status != KN_OK) return status;
+    if (answer == KN_UNKNOWN) { // crossed
+        if (job->options.trimmed == KN_TRIMMED_TAPER && !job->tile.covering) *why = KN_DROP_TRIM;
+        return KN_OK;
+    }
+    status = reaches_border(ctx, &reaches, s, extents, surface, cell);
+    if (status != KN_OK || reaches) return status;
+    if (answer == KN_NO)
+        *why = KN_DROP_TRIM;
+    else
+        mark(job->borders->whole, index);
+    return KN_OK;
+}
+
+static kn_status judge(kn_ctx *ctx, kn_job_drop *why, const selecting *s, kn_job_extents *extents,
+                       kn_job_border_memo *memo, size_t index)
 {
     const kn_job_selection *o = s->o;
     int surface, cell[2];
@@ -169,6 +218,8 @@ static kn_status judge(kn_ctx *ctx, kn_job_drop *why, const selecting *s, kn_job
     }
     kn_status status = KN_OK;
     if (*why == KN_DROP_REASONS) status = look(ctx, why, s, surface, cell);
+    if (status == KN_OK && *why == KN_DROP_REASONS)
+        status = look_at_trim(ctx, why, s, extents, memo, surface, cell, index);
     if (status == KN_OK && *why == KN_DROP_REASONS) status = look_at_box(ctx, why, s, extents, surface, cell, index);
     return status;
 }
@@ -177,14 +228,15 @@ static kn_status judge_block(kn_ctx *ctx, void *user, size_t block)
 {
     selecting *s = user;
     kn_job_extents extents = {0};
+    kn_job_border_memo memo = {.surface = -1};
     size_t first = block * BLOCK, end = first + BLOCK < s->job->ncells ? first + BLOCK : s->job->ncells;
     kn_status status = KN_OK;
     for (size_t i = first; status == KN_OK && i < end; i++) {
         kn_job_drop why;
-        status = judge(ctx, &why, s, &extents, i);
+        status = judge(ctx, &why, s, &extents, &memo, i);
         if (status != KN_OK) break;
         if (why == KN_DROP_REASONS)
-            s->job->there[i / 64] |= (uint64_t)1 << i % 64;
+            mark(s->job->there, i);
         else
             s->dropped[block][why]++;
     }
@@ -194,15 +246,15 @@ static kn_status judge_block(kn_ctx *ctx, void *user, size_t block)
 
 // ---- all cells ----
 
-static bool selects(const kn_job_selection *o)
+static bool selects(const kn_job *job)
 {
-    return leaves_holes(o) || o->view;
+    return leaves_holes(&job->options.select) || job->options.select.view || job->borders;
 }
 
 kn_status kn_job_select_init(kn_ctx *ctx, kn_job *job)
 {
     kn_status status = check_selection(ctx, job);
-    if (status != KN_OK || !selects(&job->options.select)) return status;
+    if (status != KN_OK || !selects(job)) return status;
     size_t blocks = (job->ncells + BLOCK - 1) / BLOCK;
     selecting s = {.job = job, .o = &job->options.select};
     job->there = kn_alloc_zero(ctx, (job->ncells + 63) / 64, sizeof *job->there);
@@ -211,7 +263,8 @@ kn_status kn_job_select_init(kn_ctx *ctx, kn_job *job)
     if (!job->there || !s.dropped || (s.o->view && !job->detail)) status = KN_ENOMEM;
     if (status == KN_OK && s.o->view) status = kn_job_camera_init(ctx, &s.camera, s.o->view);
     if (status == KN_OK && (s.o->slab || s.o->view)) status = kn_job_bounds_init(ctx, &s.bounds, job);
-    bool hides = s.o->view && s.o->view->hidden && !(job->tile.covering && leaves_holes(s.o));
+    bool hides = s.o->view && s.o->view->hidden && !(job->tile.covering && leaves_holes(s.o)) &&
+                 !job->borders; // where a base is trimmed there is nothing that could hide
     if (status == KN_OK && hides) status = kn_job_occlude(ctx, &s.depth, &s.bounds, &s.camera);
     if (status == KN_OK) status = kn_parallel(ctx, blocks, judge_block, &s, "select");
     for (size_t b = 0; status == KN_OK && b < blocks; b++)

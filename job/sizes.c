@@ -161,6 +161,7 @@ static kn_status decide_heights(kn_ctx *ctx, kn_job *job, const sizes *z)
     if (o->height == 0.0) o->height = (job->tile.aspect > 0.0 ? job->tile.aspect : 1.0) * size;
     if (o->mesh_tol == 0.0) o->mesh_tol = size / 100.0;
     if (o->crossing_tol == 0.0) o->crossing_tol = size / 1000.0;
+    if (o->taper == 0.0 && o->trimmed == KN_TRIMMED_TAPER) o->taper = size;
     if (o->side == KN_JOB_BELOW) o->height = -fabs(o->height);
     job->report.cell_size = size;
     job->report.height = o->height;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // What a run is noted as between two commits: which job, how far, and the sinks.
+#include "job/border.h"
 #include "job/looks.h"
 #include "job/run.h"
 #include "kernel/hash.h"
@@ -42,6 +43,14 @@ static void take_surface(uint64_t *h, const kn_job_surface *s)
     take_numbers(h, s->jacobian, 2); // of T with its fields
 }
 
+static void take_borders(uint64_t *h, const struct kn_job_borders *b)
+{
+    for (int i = 0; i < b->ntrims; i++) {
+        take(h, (uint64_t)b->trims[i].nloops);
+        for (int k = 0; k < b->trims[i].ncurves; k++) take_spline(h, &b->trims[i].curves[k]);
+    }
+}
+
 uint64_t kn_job_identity(const kn_job *job, uint64_t own)
 {
     const kn_job_options *o = &job->options;
@@ -49,7 +58,8 @@ uint64_t kn_job_identity(const kn_job *job, uint64_t own)
     const double numbers[] = {o->height, o->offset, o->normal_tol, o->taper, o->crossing_tol, o->mesh_tol};
     take_numbers(&h, numbers, sizeof numbers / sizeof *numbers);
     take(&h, (uint64_t)o->side << 32 | (uint64_t)o->normal << 16 | (uint64_t)o->crossing << 8 | o->symbolic);
-    take(&h, (uint64_t)job->segments);
+    take(&h, (uint64_t)job->segments << 8 | (uint64_t)o->trimmed);
+    if (job->borders) take_borders(&h, job->borders);
     for (int s = 0; s < job->nsurfaces; s++) take_surface(&h, &job->surfaces[s]);
     for (int k = 0; k < job->npatches; k++) {
         const kn_bezier *d = &job->patches[k].d;

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// How far from open ends of the base, and from borders of the mask, a place is: heights fall off there.
+// How far from open ends of the base, and from borders of the mask and of trims, a place is: heights fall off there.
 //
 // Distances are shortest paths over the corners of cells, from each to its sixteen neighbours (a king's and a
 // knight's moves), and over shared edges: along S, at most 2.8 % too long where cells are squares. Between corners
 // they are bilinear. Only those below the taper's length are looked for. Source: Dijkstra, A note on two problems in
 // connexion with graphs, Numer. Math. 1 (1959).
+#include "job/border.h"
 #include "job/vary.h"
 #include "job/internal.h"
 
@@ -113,14 +114,28 @@ static kn_status in_mask(kn_ctx *ctx, bool *inside, const kn_job *job, int surfa
     return status;
 }
 
+// Where heights fall off towards trims, neither beyond the border nor where it runs through the cell: all that it
+// crosses lies flat.
+static kn_status in_trim(kn_ctx *ctx, bool *inside, kn_job_border_memo *memo, const kn_job *job, int surface,
+                         const int cell[2])
+{
+    kn_answer answer = KN_YES;
+    kn_status status = KN_OK;
+    if (job->options.trimmed == KN_TRIMMED_TAPER) status = kn_job_border_cell(ctx, &answer, memo, job, surface, cell);
+    *inside = answer == KN_YES;
+    return status;
+}
+
 static kn_status offer_mask(kn_ctx *ctx, search *q, int surface)
 {
     const kn_job_surface *s = &q->job->surfaces[surface];
+    kn_job_border_memo memo = {.surface = -1};
     kn_status status = KN_OK;
     for (int i = 0; status == KN_OK && i < s->cells[0]; i++)
         for (int j = 0; status == KN_OK && j < s->cells[1]; j++) {
             bool inside;
-            status = in_mask(ctx, &inside, q->job, surface, (int[2]){i, j});
+            status = in_trim(ctx, &inside, &memo, q->job, surface, (int[2]){i, j});
+            if (status == KN_OK && inside) status = in_mask(ctx, &inside, q->job, surface, (int[2]){i, j});
             for (int k = 0; status == KN_OK && !inside && k < 4; k++)
                 status = offer(ctx, q, surface, i + k % 2, j + k / 2, 0.0);
         }
