@@ -23,7 +23,7 @@ namespace kn_occt
 namespace
 {
 
-const double trim_tolerance = 1e-4; // mm
+const double trim_tolerance = 1e-5; // mm
 
 // A face on its way: what is needed until the edges know their faces.
 struct shape {

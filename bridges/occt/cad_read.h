@@ -17,7 +17,7 @@ extern "C" {
 // fails:  KN_EIO, KN_EPARSE (no such format, a STEP file without its end, what OCCT refuses, no face), KN_EUNDECIDED
 //         (OCCT threw), KN_ENOMEM; out unchanged.
 // error:  lines, conics, splines and what is made of them: rounding. Others: kn_cad_face.error as OCCT estimates it.
-//         Curves of trims that are no polynomials are met to about 1e-4 mm at the quarters of each cubic.
+//         Curves of trims that are no polynomials are met to about 1e-5 mm at the quarters of each cubic.
 KN_CHECKED kn_status kn_occt_read(kn_ctx *ctx, kn_cad *out, const char *path);
 
 #ifdef __cplusplus

@@ -219,7 +219,7 @@ void add_parts(document *out, const notes &entities, bool together)
                 builder.Add(loose, e.Current());
             }
         }
-        add_bodies(out, part{TDF_Label(), loose, 1, gp_Trsf(), paint()}, "surfaces", all, entities);
+        add_bodies(out, part{TDF_Label(), loose, 1, gp_Trsf(), paint()}, "", all, entities);
     }
     for (const part &p : w.parts) {
         if (together && !TopExp_Explorer(p.shape, TopAbs_SHELL).More()) continue;
@@ -317,6 +317,7 @@ void read_brep(kn_ctx *ctx, document *out, const char *path)
 void read_document(kn_ctx *ctx, document *out, const char *path)
 {
     format kind = look_at(ctx, path);
+    XCAFDoc_ShapeTool::SetAutoNaming(Standard_False); // no names that are not in the file
     out->xcaf = new TDocStd_Document("BinXCAF");
     XCAFDoc_DocumentTool::Set(out->xcaf->Main());
     if (kind == STEP) read_step(ctx, out, path);
