@@ -32,7 +32,8 @@ static kn_status add(kn_ctx *ctx, collect *c, const kn_patch *patch)
         c->room = room;
     }
     kn_spline s = {0};
-    kn_status status = kn_spline_of_bezier(ctx, &s, &patch->bezier);
+    kn_status status = patch->spline ? kn_spline_copy(ctx, &s, patch->spline)
+                                     : kn_spline_of_bezier(ctx, &s, &patch->bezier);
     if (status == KN_OK && patch->reversed && s.nvars == 2) status = kn_spline_reverse(ctx, &s, &s, 0);
     if (status == KN_OK)
         c->made.splines[c->made.nsplines++] = s;

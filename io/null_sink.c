@@ -12,8 +12,8 @@ static kn_status null_commit(kn_ctx *ctx, void *user, const kn_patch_block *bloc
     (void)product;
     size_t *bytes = user;
     for (size_t i = 0; i < block->count; i++) {
-        const kn_bezier *b = &block->patches[i].bezier;
-        *bytes += kn_bezier_count(b) * (size_t)b->ncomp * sizeof *b->coef;
+        const kn_spline s = kn_patch_spline(&block->patches[i]);
+        if (s.nvars > 0) *bytes += kn_spline_count(&s) * (size_t)s.ncomp * sizeof *s.coef;
     }
     return KN_OK;
 }

@@ -147,6 +147,7 @@ typedef struct kn_stream_options {
     double mesh_tol;   // chord height of tessellations, length units; 0: a thousandth of the box's diagonal
     bool split;        // at knots where a spline is not C1: what CAD systems want
     bool unit_domains; // variables run from 0 to 1, and not as they do in the model
+    int max_degree;    // splines of a higher degree go piece by piece, for a kn_limit_sink; 0: none
 } kn_stream_options;
 // The splines and the mesh of a model as patches: surface i of the base is spline i, all of one part of this name.
 // in:     what lies in the plane goes to z = 0; splines in other dimensions, and of more than three variables, are

@@ -1,0 +1,446 @@
+// SPDX-License-Identifier: Apache-2.0
+// Limited degrees over composed patches: built-in tiles over several bases, for each profile and tolerance. Samples
+// never pass the certificate, which is not far above them; edges are one curve for both of their faces.
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "io/brep.h"
+#include "tests/support/patches.h"
+#include "tests/support/surfaces.h"
+
+// ---- what is looked at ----
+
+typedef struct edge_pair {
+    kn_brep_key exact, limited;
+} edge_pair;
+
+typedef struct comparison {
+    kn_ctx *ctx;
+    test_rng *rng;
+    int max_degree;
+    double tolerance;
+    size_t samples; // of each patch
+    const kn_patch_block *exact;
+    edge_pair *edges;
+    size_t nedges, room, patches, limited;
+    double most, turn;
+    int announced[2];
+} comparison;
+
+static double distance3(const double *a, const double *b)
+{
+    return hypot(hypot(a[0] - b[0], a[1] - b[1]), a[2] - b[2]);
+}
+
+static void unit_normal(double n[3], const double *d)
+{
+    const double *r = d + 3, *t = d + 6;
+    for (int c = 0; c < 3; c++) n[c] = r[(c + 1) % 3] * t[(c + 2) % 3] - r[(c + 2) % 3] * t[(c + 1) % 3];
+    double size = hypot(hypot(n[0], n[1]), n[2]);
+    for (int c = 0; c < 3; c++) n[c] /= size;
+}
+
+static kn_brep_key key_of(const double *coef, int ncomp, size_t comp, size_t n, ptrdiff_t step)
+{
+    bool turned;
+    return kn_brep_hash(&turned, coef, ncomp, comp, n, step);
+}
+
+static void note_edges(comparison *c, const kn_bezier *a, const kn_patch *patch)
+{
+    size_t n = kn_bezier_count(a), m0 = (size_t)a->degree[0] + 1, m1 = (size_t)a->degree[1] + 1;
+    const size_t first[4] = {0, (m0 - 1) * m1, 0, m1 - 1}, count[4] = {m1, m1, m0, m0};
+    const ptrdiff_t step[4] = {1, 1, (ptrdiff_t)m1, (ptrdiff_t)m1};
+    if (c->nedges + 4 > c->room) {
+        c->room = 2 * c->room + 64;
+        c->edges = realloc(c->edges, c->room * sizeof *c->edges);
+        assert_non_null(c->edges);
+    }
+    for (int e = 0; e < 4; e++) {
+        edge_pair *to = &c->edges[c->nedges++];
+        to->exact = key_of(a->coef + first[e], a->ncomp, n, count[e], step[e]);
+        to->limited = to->exact;
+        if (!patch->edge) continue;
+        const kn_spline *s = &patch->edge[e];
+        to->limited = key_of(s->coef, s->ncomp, kn_spline_count(s), kn_spline_count(s), 1);
+        if (s->degree[0] == a->degree[e < 2]) // kept: bit for bit
+            assert_true(to->limited.a == to->exact.a && to->limited.b == to->exact.b);
+    }
+}
+
+// The ends of the surface are its edges: knots were inserted, each with less than 30 roundings of coordinates.
+static void edges_are_ends(const comparison *c, const kn_patch *patch)
+{
+    for (int i = 0; i < 8; i++) {
+        int e = i % 4;
+        double along = test_uniform(c->rng, 0.0, 1.0), at[2], x[3], y[3], size = 0.0;
+        at[e / 2] = e % 2, at[1 - e / 2] = along;
+        assert_int_equal(kn_spline_eval(c->ctx, x, patch->spline, at), KN_OK);
+        assert_int_equal(kn_spline_eval(c->ctx, y, &patch->edge[e], &along), KN_OK);
+        for (int k = 0; k < 3; k++) size = fmax(size, fabs(x[k]));
+        assert_true(distance3(x, y) <= 200 * 0x1p-53 * (size + 1.0)); // with evaluation
+    }
+}
+
+static void compare(comparison *c, const kn_bezier *a, const kn_patch *patch)
+{
+    double at[3] = {0.0}, x[9], y[9], n[3], m[3];
+    c->patches++;
+    if (a->nvars == 2) note_edges(c, a, patch);
+    if (!patch->spline) { // as it came
+        assert_true(patch->exact || patch->bezier.coef == a->coef);
+        for (int v = 0; v < a->nvars; v++) assert_true(a->degree[v] <= c->max_degree);
+        return;
+    }
+    c->limited++;
+    assert_true(!patch->exact && patch->bezier.coef == NULL);
+    for (int v = 0; v < a->nvars; v++) assert_true(patch->spline->degree[v] <= c->max_degree);
+    for (size_t i = 0; i < c->samples; i++) {
+        for (int v = 0; v < a->nvars; v++) at[v] = test_uniform(c->rng, 0.0, 1.0);
+        assert_int_equal(kn_bezier_eval(c->ctx, x, a, at), KN_OK);
+        assert_int_equal(kn_spline_eval(c->ctx, y, patch->spline, at), KN_OK);
+        c->most = fmax(c->most, distance3(x, y));
+    }
+    if (a->nvars != 2) return;
+    edges_are_ends(c, patch);
+    for (int i = 0; i < 8; i++) {
+        at[i / 4] = i % 2, at[1 - i / 4] = test_uniform(c->rng, 0.0, 1.0);
+        assert_int_equal(kn_bezier_derivatives(c->ctx, x, a, at, 1), KN_OK);
+        assert_int_equal(kn_spline_derivatives(c->ctx, y, patch->spline, at, 1), KN_OK);
+        unit_normal(n, x), unit_normal(m, y);
+        double chord = distance3(n, m);
+        if (chord >= 0.0) c->turn = fmax(c->turn, 2.0 * asin(fmin(1.0, 0.5 * chord))); // not where there is none
+    }
+}
+
+// ---- two sinks: the first tells the second what the block was ----
+
+static kn_status see_commit(kn_ctx *ctx, void *user, const kn_patch_block *block, void *product)
+{
+    comparison *c = user;
+    (void)ctx, (void)product;
+    c->exact = block;
+    return KN_OK;
+}
+
+static kn_status compare_begin(kn_ctx *ctx, void *user, const kn_tile *tile, const kn_job_report *report)
+{
+    comparison *c = user;
+    (void)ctx, (void)tile;
+    for (int v = 0; v < 2; v++) assert_true(report->degree[v] <= c->max_degree);
+    if (report->fit_degree > 0) assert_true(report->fit_degree == c->max_degree && report->fit_tolerance > 0.0);
+    return KN_OK;
+}
+
+static bool is_above(const kn_bezier *b, int degree)
+{
+    bool above = false;
+    for (int v = 0; v < b->nvars; v++) above = above || b->degree[v] > degree;
+    return above;
+}
+
+static kn_status compare_commit(kn_ctx *ctx, void *user, const kn_patch_block *block, void *product)
+{
+    comparison *c = user;
+    size_t next = 0;
+    (void)product;
+    for (size_t i = 0; i < c->exact->count; i++) {
+        const kn_patch *p = &c->exact->patches[i];
+        if (p->mesh || p->bezier.nvars < 3 || !is_above(&p->bezier, c->max_degree)) {
+            if (!p->mesh) compare(c, &p->bezier, &block->patches[next]);
+            next++;
+            continue;
+        }
+        for (int k = 0; k < 6; k++) {
+            kn_patch face = {0};
+            if (p->hidden >> k & 1) continue;
+            assert_int_equal(kn_patch_face(ctx, &face, p, k), KN_OK);
+            compare(c, &face.bezier, &block->patches[next++]);
+            kn_bezier_clear(ctx, &face.bezier);
+        }
+    }
+    assert_int_equal(next, block->count);
+    return KN_OK;
+}
+
+// ---- the cases ----
+
+static int by_exact(const void *x, const void *y)
+{
+    const edge_pair *a = x, *b = y;
+    if (a->exact.a != b->exact.a) return a->exact.a < b->exact.a ? -1 : 1;
+    return a->exact.b < b->exact.b ? -1 : a->exact.b > b->exact.b;
+}
+
+// How many edges have two faces or more; both have one curve there.
+static size_t shared_edges(comparison *c)
+{
+    size_t shared = 0;
+    qsort(c->edges, c->nedges, sizeof *c->edges, by_exact);
+    for (size_t i = 1; i < c->nedges; i++) {
+        const edge_pair *a = &c->edges[i - 1], *b = &c->edges[i];
+        if (by_exact(a, b) != 0) continue;
+        assert_true(a->limited.a == b->limited.a && a->limited.b == b->limited.b);
+        shared++;
+    }
+    return shared;
+}
+
+enum { BASES = 4 };
+static bool make_base(kn_ctx *ctx, kn_spline *out, int base)
+{
+    if (base == 0) make_wavy(ctx, out);
+    if (base == 1) make_torus(ctx, out);
+    return base < 2 || make_teapot(ctx, out, base == 2 ? 0 : 13);
+}
+
+static const int profiles[4] = {3, 11, 15, 25};
+
+typedef struct figures {
+    size_t cases, patches, limited, shared, unknown;
+    double ratio, turn, turn_ratio;
+} figures;
+
+static kn_job *make_job(kn_ctx *ctx, const kn_tile *tile, const kn_spline *base)
+{
+    kn_job *job = NULL;
+    int n[2];
+    for (int v = 0; v < 2; v++) n[v] = kn_spline_spans(base, v) > 1 ? kn_spline_spans(base, v) : 2;
+    kn_job_options o = {.count = {n[0], n[1]}, .height = 0.1, .normal_tol = 1e-3, .max_degree = KN_MAX_DEGREE};
+    o.select.first = 0, o.select.count = 2;
+    if (kn_job_create(ctx, &job, base, 1, tile, &o) != KN_OK) kn_ctx_clear_error(ctx); // degrees beyond KN_MAX_DEGREE
+    return job;
+}
+
+static void try_case(kn_ctx *ctx, test_rng *rng, const kn_job *job, int max_degree, double tolerance, figures *f)
+{
+    comparison c = {.ctx = ctx, .rng = rng, .max_degree = max_degree, .tolerance = tolerance};
+    kn_job_report report = kn_job_describe(job);
+    kn_limit_summary sum;
+    kn_sink inner = {.user = &c, .begin = compare_begin, .commit = compare_commit};
+    kn_sink sinks[2] = {{.user = &c, .commit = see_commit}};
+    size_t samples = (size_t)test_scale(600) < 10000 ? (size_t)test_scale(600) : 10000;
+    c.samples = 1 + samples / (report.patches * (report.volumes > 0 ? 6 : 1));
+    assert_int_equal(kn_limit_sink(ctx, &sinks[1], &inner, 1, &(kn_limit_options){max_degree, tolerance}, &sum),
+                     KN_OK);
+    assert_int_equal(kn_job_run(ctx, job, sinks, 2), KN_OK);
+    for (int k = 0; k < 2; k++) kn_sink_close(ctx, &sinks[k]);
+    // Evaluation errs by some hundred roundings of coordinates below 20.
+    assert_true(c.most <= sum.error + 1e-12 && sum.error <= tolerance);
+    if (sum.error > 1e-10) assert_true(sum.error <= 10.0 * c.most);
+    if (sum.error > 1e-10 && c.most > 0.0) f->ratio = fmax(f->ratio, sum.error / c.most);
+    assert_true(c.limited == sum.limited && c.patches - c.limited == sum.exact);
+    if (sum.unknown_angles == 0 && sum.limited > 0) {
+        assert_true(c.turn <= sum.angle + 1e-7); // the chord of unit vectors
+        f->turn = fmax(f->turn, sum.angle);
+    }
+    f->unknown += sum.unknown_angles;
+    f->cases++, f->patches += c.patches, f->limited += c.limited, f->shared += shared_edges(&c);
+    free(c.edges);
+}
+
+// All built-in tiles over all bases, every profile and tolerance; of these some, chosen by the seed, unless KN_TEST_SCALE
+// asks for more (60: all).
+static void tiles_bases_profiles(void **state)
+{
+    (void)state;
+    test_memory memory = TEST_MEMORY_INIT;
+    kn_ctx *ctx = test_ctx(&memory, 1);
+    test_rng rng = test_random(1);
+    figures f = {.cases = 0};
+    int tiles = kn_builtin_tile_count(), all = tiles * BASES, some = test_scale(3);
+    for (int i = 0, left = all; i < all; i++, left--) {
+        if (test_int(&rng, 0, left - 1) >= some) continue;
+        some--;
+        kn_spline base = {0};
+        kn_tile tile = {0};
+        if (make_base(ctx, &base, i % BASES)) {
+            assert_int_equal(kn_builtin_tile(ctx, &tile, kn_builtin_tile_name(i / BASES)), KN_OK);
+            kn_job *job = make_job(ctx, &tile, &base);
+            for (int k = 0; k < 16 && job; k++) {
+                if (test_scale(1) < 20 && k != 1 + i % 2 && k != 4 + i % 12) continue;
+                try_case(ctx, &rng, job, profiles[k / 4], pow(10.0, -1 - k % 4), &f);
+            }
+            kn_job_destroy(ctx, job);
+        }
+        kn_tile_clear(ctx, &tile);
+        kn_spline_clear(ctx, &base);
+    }
+    printf("# %zu cases, %zu patches, %zu limited, %zu shared edges; certificate at most %.2f times the samples; "
+           "angles up to %.2g, %zu unknown\n",
+           f.cases, f.patches, f.limited, f.shared, f.ratio, f.turn, f.unknown);
+    assert_true(f.limited > 0 && f.shared > 0);
+    test_ctx_end(ctx, &memory);
+}
+
+// ---- by hand ----
+
+enum { HAND = 3 };
+typedef struct hand {
+    test_tile tile;
+    kn_patch patches[HAND]; // of degrees 9 x 3, 2 x 3 and, rational, 8 x 8
+    kn_job_report report;
+} hand;
+
+static void hand_make(kn_ctx *ctx, hand *h)
+{
+    test_rng rng = test_random(3);
+    static const int degree[HAND][2] = {{9, 3}, {2, 3}, {8, 8}};
+    test_tile_make(&h->tile, 1);
+    for (int i = 0; i < HAND; i++)
+        test_patch(ctx, &h->patches[i], &rng, degree[i][0], degree[i][1], i == 2, 2.0 * i, 0.05);
+    h->report = test_report(HAND, 9, 8);
+}
+
+static void hand_clear(kn_ctx *ctx, hand *h)
+{
+    for (int i = 0; i < HAND; i++) kn_bezier_clear(ctx, &h->patches[i].bezier);
+}
+
+static kn_status feed_counting(kn_ctx *ctx, const hand *h, size_t block, kn_limit_summary *sum, size_t *bytes)
+{
+    kn_sink inner[2] = {{0}}, sink;
+    kn_status status = kn_null_sink(ctx, &inner[0]);
+    if (status == KN_OK) status = kn_null_sink(ctx, &inner[1]);
+    if (status == KN_OK) status = kn_limit_sink(ctx, &sink, inner, 2, &(kn_limit_options){5, 1e-3}, sum);
+    if (status != KN_OK) {
+        kn_sink_close(ctx, &inner[0]);
+        kn_sink_close(ctx, &inner[1]);
+        return status;
+    }
+    status = test_feed(ctx, &sink, &h->tile.tile, &h->report, h->patches, HAND, block);
+    *bytes = sink.bytes(sink.user);
+    kn_sink_close(ctx, &sink);
+    return status;
+}
+
+// Exact patches pass, others are counted with their errors; the same for blocks of any size. A spline of one span is a
+// piece; one of several is refused.
+static void summaries(void **state)
+{
+    (void)state;
+    test_memory memory = TEST_MEMORY_INIT;
+    kn_ctx *ctx = test_ctx(&memory, 1);
+    hand h;
+    kn_limit_summary sum[2];
+    size_t bytes[2];
+    hand_make(ctx, &h);
+    for (size_t k = 0; k < 2; k++) {
+        assert_int_equal(feed_counting(ctx, &h, 1 + 2 * k, &sum[k], &bytes[k]), KN_OK);
+        assert_true(sum[k].exact == 1 && sum[k].limited == 2 && sum[k].error > 0.0 && sum[k].error <= 1e-3);
+        assert_true(sum[k].degree[0] == 5 && sum[k].degree[1] == 5 && sum[k].angle > 0.0);
+        assert_true(sum[k].control_points > 12 && sum[k].spans >= 3);
+    }
+    assert_memory_equal(&sum[0], &sum[1], sizeof sum[0]);
+    assert_true(bytes[0] == bytes[1] && bytes[0] > 0);
+    kn_spline whole = {0}, cut = {0};
+    assert_int_equal(kn_spline_of_bezier(ctx, &whole, &h.patches[0].bezier), KN_OK);
+    assert_int_equal(kn_spline_insert_knots(ctx, &cut, &whole, 0, &(double){0.5}, 1), KN_OK);
+    kn_bezier kept = h.patches[0].bezier;
+    h.patches[0].bezier = (kn_bezier){0};
+    h.patches[0].spline = &whole;
+    assert_int_equal(feed_counting(ctx, &h, 2, &sum[1], &bytes[1]), KN_OK);
+    assert_memory_equal(&sum[0], &sum[1], sizeof sum[0]);
+    h.patches[0].spline = &cut;
+    assert_int_equal(feed_counting(ctx, &h, 2, &sum[1], &bytes[1]), KN_EDOMAIN);
+    h.patches[0].bezier = kept;
+    kn_spline_clear(ctx, &whole), kn_spline_clear(ctx, &cut);
+    hand_clear(ctx, &h);
+    test_ctx_end(ctx, &memory);
+}
+
+// A run that goes on after its first block has the sums of one that was not interrupted.
+static void goes_on(void **state)
+{
+    (void)state;
+    test_memory memory = TEST_MEMORY_INIT;
+    kn_ctx *ctx = test_ctx(&memory, 1);
+    hand h;
+    kn_limit_summary sum[2];
+    size_t bytes[2], n = 0;
+    unsigned char *data = NULL;
+    hand_make(ctx, &h);
+    assert_int_equal(feed_counting(ctx, &h, 3, &sum[0], &bytes[0]), KN_OK);
+    for (int k = 0; k < 2; k++) {
+        kn_sink inner[2], sink;
+        kn_patch_block block = {(size_t)k, k ? 2 : 1, h.patches + k};
+        void *product = NULL;
+        for (int i = 0; i < 2; i++) assert_int_equal(kn_null_sink(ctx, &inner[i]), KN_OK);
+        assert_int_equal(kn_limit_sink(ctx, &sink, inner, 2, &(kn_limit_options){5, 1e-3}, &sum[1]), KN_OK);
+        if (k) {
+            assert_int_equal(sink.restore(ctx, sink.user, &h.tile.tile, &h.report, data, n - 1), KN_EDOMAIN);
+            kn_ctx_clear_error(ctx);
+            assert_int_equal(sink.restore(ctx, sink.user, &h.tile.tile, &h.report, data, n), KN_OK);
+        } else {
+            assert_int_equal(sink.begin(ctx, sink.user, &h.tile.tile, &h.report), KN_OK);
+        }
+        assert_int_equal(sink.work(ctx, sink.user, &block, &product), KN_OK);
+        assert_int_equal(sink.commit(ctx, sink.user, &block, product), KN_OK);
+        if (!k) assert_int_equal(sink.save(ctx, sink.user, &data, &n), KN_OK);
+        bytes[1] = sink.bytes(sink.user);
+        kn_sink_close(ctx, &sink);
+    }
+    kn_free(ctx, data);
+    assert_memory_equal(&sum[0], &sum[1], sizeof sum[0]);
+    assert_int_equal(bytes[0], bytes[1]);
+    hand_clear(ctx, &h);
+    test_ctx_end(ctx, &memory);
+}
+
+static void failures(void **state)
+{
+    (void)state;
+    test_memory memory = TEST_MEMORY_INIT;
+    kn_ctx *ctx = test_ctx(&memory, 1);
+    hand h;
+    kn_sink inner, sink, closed = {0};
+    static const kn_limit_options bad[] = {{2, 1.0}, {KN_MAX_DEGREE + 1, 1.0}, {5, 0.0}, {5, NAN}, {5, INFINITY}};
+    hand_make(ctx, &h);
+    assert_int_equal(kn_null_sink(ctx, &inner), KN_OK);
+    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++)
+        assert_int_equal(kn_limit_sink(ctx, &sink, &inner, 1, &bad[i], NULL), KN_EDOMAIN);
+    assert_int_equal(kn_limit_sink(ctx, &sink, &inner, 0, &(kn_limit_options){5, 1.0}, NULL), KN_EDOMAIN);
+    assert_int_equal(kn_limit_sink(ctx, &sink, &closed, 1, &(kn_limit_options){5, 1.0}, NULL), KN_EDOMAIN);
+    kn_ctx_clear_error(ctx);
+    // What cannot be had says of which patch.
+    assert_int_equal(kn_limit_sink(ctx, &sink, &inner, 1, &(kn_limit_options){5, 1e-30}, NULL), KN_OK);
+    h.patches[0].id.cell[1] = 7;
+    assert_int_equal(test_feed(ctx, &sink, &h.tile.tile, &h.report, h.patches, HAND, 2), KN_EUNDECIDED);
+    assert_non_null(strstr(kn_ctx_message(ctx), "cell 0,7"));
+    kn_sink_close(ctx, &sink);
+    hand_clear(ctx, &h);
+    test_ctx_end(ctx, &memory);
+}
+
+static kn_status starved(kn_ctx *ctx, void *user)
+{
+    kn_limit_summary sum;
+    size_t bytes;
+    return feed_counting(ctx, user, 2, &sum, &bytes);
+}
+
+static void allocation_failures(void **state)
+{
+    (void)state;
+    test_memory memory = TEST_MEMORY_INIT;
+    kn_ctx *ctx = test_ctx(&memory, 1);
+    hand h;
+    hand_make(ctx, &h);
+    test_allocation_failures(starved, &h);
+    hand_clear(ctx, &h);
+    test_ctx_end(ctx, &memory);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(summaries),
+        cmocka_unit_test(goes_on),
+        cmocka_unit_test(failures),
+        cmocka_unit_test(allocation_failures),
+        cmocka_unit_test(tiles_bases_profiles),
+    };
+    return cmocka_run_group_tests_name("io/limit_sink", tests, NULL, NULL);
+}
