@@ -95,6 +95,63 @@ KN_API KN_CHECKED kn_status kn_cad_write(kn_ctx *ctx, unsigned char **data, size
 KN_API KN_CHECKED kn_status kn_cad_parse(kn_ctx *ctx, kn_cad *out, const char *name, const unsigned char *data,
                                          size_t bytes);
 
+// ---- several faces ----
+
+// Zero means the default in every field.
+typedef struct kn_cad_join_options {
+    double angle;     // radians, up to which faces meet smoothly; 0: one degree
+    double tolerance; // mm, by which control points may be moved; 0: 1e-3
+    bool none;        // nothing is joined: only the report
+} kn_cad_join_options;
+
+// An edge between two of the faces, and what became of it.
+typedef struct kn_cad_seam {
+    int edge, face[2]; // of the model
+    bool joined;
+    const char *why; // not: "angle", ..; static storage; NULL: joined
+    double angle;    // between the normals along it, the largest at 33 places, radians
+    double moved;    // a bound of how far either surface was moved along it, mm
+} kn_cad_seam;
+
+// Surfaces for a job, one for each face, in their order. Zero is empty.
+typedef struct kn_cad_joined {
+    kn_spline *surfaces;
+    kn_trim *trims; // empty where a face is the whole of its surface
+    int n;
+    kn_cad_seam *seams; // of all edges between two different ones of the faces
+    int nseams;
+    double moved; // the most
+} kn_cad_joined;
+KN_API void kn_cad_joined_clear(kn_ctx *ctx, kn_cad_joined *joined); // leaves it empty; NULL is fine
+
+// Faces side by side as surfaces that a job takes as one domain: where two of them meet smoothly along an edge that is
+// a whole side of both, with the same curve on both but for direction and an affine change of its parameter, they get
+// the same degrees and knots along it and the same control points, bit for bit. Elsewhere they stay apart.
+// in:     a model that kn_cad_check accepts; n different faces of it (else KN_EDOMAIN). options NULL: the defaults.
+// out:    initialised, overwritten; seams in the order of the model's edges. Surfaces that are joined are all
+//         rational where one of them is, and run over [0,1] along their common edges. why: "angle", "part of a side"
+//         (the edge is no whole side of both), "more faces", "a point", "parameter lines" (other curves, or others'
+//         parameters), "turned round" (joined faces lead back to this edge in the other direction), "not wanted".
+// fails:  KN_EDOMAIN, KN_ELIMIT (degrees, knots), KN_ENOMEM; out unchanged.
+// error:  *moved: control points of a side that moved by d move the surface by d at most; weights that differ by a
+//         part e, by 4 e times the size of the surface.
+KN_API KN_CHECKED kn_status kn_cad_join(kn_ctx *ctx, kn_cad_joined *out, const kn_cad *cad, const int *faces, int n,
+                                        const kn_cad_join_options *options);
+
+// The faces that a text names, joined by '+', what all of several say by '&', which binds closer:
+//     3  0,4,7-9              numbers and ranges
+//     name:TEXT  body:TEXT    names, letters of either case; * stands for any text, ? for one character. body: also the
+//                             number of one
+//     type:TYPE               kn_cad_type_name
+//     color:#rrggbb           sRGB, to within 1 of 255
+//     near:X,Y,Z              the one that is nearest to the point
+// out:    *faces, *n >= 1 of them, increasing: kn_free. Overwritten.
+// fails:  KN_EDOMAIN: no such text, or a part of it that no face agrees with: the message says what there is. KN_ENOMEM,
+//         KN_ECANCELLED; out unchanged.
+// error:  near: where the nearest point of a surface lies inside the trim, certified (kn_solve_closest); else the
+//         nearest of points along the trim (64 a span, refined) and of a grid of 33 x 33 inside it.
+KN_API KN_CHECKED kn_status kn_cad_find(kn_ctx *ctx, int **faces, int *n, const kn_cad *cad, const char *text);
+
 #ifdef __cplusplus
 }
 #endif
