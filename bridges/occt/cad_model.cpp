@@ -372,6 +372,7 @@ void end_body(converter *k, int body, bool whole)
     for (int i = 0; i < 3; i++)
         for (int j = 0; j < 4; j++) out->place[4 * i + j] = from.place.Value(i + 1, j + 1);
     k->cad->nbodies++;
+    for (int i = 1; i <= k->known.Extent(); i++) k->d->edges.push_back(TopoDS::Edge(k->known(i)));
     k->known.Clear();
     k->first_edge = k->edges.size();
     k->first_face = static_cast<size_t>(k->cad->nfaces);

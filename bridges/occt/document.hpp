@@ -7,6 +7,7 @@
 #include <vector>
 
 #include <TDocStd_Document.hxx>
+#include <TopoDS_Edge.hxx>
 #include <TopoDS_Face.hxx>
 #include <TopoDS_Shape.hxx>
 #include <gp_Trsf.hxx>
@@ -34,8 +35,9 @@ struct face {
 struct document {
     Handle(TDocStd_Document) xcaf; // keeps it alive; null for BREP
     std::vector<body> bodies;
-    std::vector<face> faces; // body by body, as the shells have them
-    int unread = 0;          // faces of a STEP file that OCCT could make nothing of
+    std::vector<face> faces;        // body by body, as the shells have them
+    std::vector<TopoDS_Edge> edges; // those of the kn_cad, once model_of has made it
+    int unread = 0;                 // faces of a STEP file that OCCT could make nothing of
     std::string first_unread;
 };
 

@@ -16,7 +16,7 @@ struct command {
     const char *name;
     int (*run)(kn_ctx *ctx, int argc, char **argv);
 };
-const command commands[] = {{"read", kn_cad_command_read}};
+const command commands[] = {{"read", kn_cad_command_read}, {"host", kn_cad_command_host}};
 
 // A number of the environment in place of the default.
 rlim_t wanted(const char *name, rlim_t or_else)
@@ -76,6 +76,6 @@ int main(int argc, char **argv)
             std::fflush(stdout);
             std::_Exit(code); // what OCCT holds goes with the process
         }
-    std::fprintf(stderr, "knurl-cad: a part of knurl; it takes: read FILE\n");
+    std::fprintf(stderr, "knurl-cad: a part of knurl; it takes: read FILE, host FILE SCHEMA\n");
     return KN_CAD_USAGE;
 }
