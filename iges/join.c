@@ -60,7 +60,8 @@ static void put_directory(kn_iges_join *j, const entity *e, uint64_t lines)
     memcpy(one + 64, e->status, 8);
     put_field(two + 8, 8, 0);
     put_field(two + 16, 8, colour > 0 ? pointer(colour - 1) : 0);
-    if (colour > 0) two[17] = '-'; // a pointer: seven digits at most behind it
+    for (int i = 22; colour > 0 && two[i + 1] != '-'; i--) // a pointer, of seven digits at most
+        if (two[i] == ' ') two[i] = '-';
     put_field(two + 24, 8, lines);
     put_field(two + 32, 8, (uint64_t)e->form);
     if (e->id && e->look >= 0) {

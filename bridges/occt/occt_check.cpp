@@ -7,9 +7,17 @@
 #include <vector>
 
 #include <BRepCheck_Analyzer.hxx>
+#include <BRepGProp.hxx>
 #include <BRep_Tool.hxx>
+#include <BRepGProp.hxx>
 #include <Bnd_Box.hxx>
+#include <GProp_GProps.hxx>
+#include <GProp_GProps.hxx>
 #include <Geom_BSplineSurface.hxx>
+#include <IGESCAFControl_Reader.hxx>
+#include <IGESData_GlobalSection.hxx>
+#include <IGESData_IGESEntity.hxx>
+#include <IGESData_IGESModel.hxx>
 #include <Interface_InterfaceModel.hxx>
 #include <Message.hxx>
 #include <Message_Messenger.hxx>
@@ -24,6 +32,7 @@
 #include <TDocStd_Document.hxx>
 #include <TopExp.hxx>
 #include <TopExp_Explorer.hxx>
+#include <TopTools_IndexedDataMapOfShapeListOfShape.hxx>
 #include <TopTools_IndexedMapOfShape.hxx>
 #include <TopoDS.hxx>
 #include <TopoDS_Face.hxx>
@@ -42,6 +51,8 @@ extern "C" {
 
 struct kn_occt_model {
     STEPCAFControl_Reader reader;
+    IGESCAFControl_Reader iges_reader;
+    bool iges = false; // read by the second one
     Handle(TDocStd_Document) document;
     TopoDS_Shape shape;
     std::vector<TopoDS_Face> faces; // in the order of the file: OCCT takes unconnected shells apart
@@ -100,6 +111,46 @@ void collect_faces(kn_occt_model *m)
     }
 }
 
+// Faces (510), trimmed surfaces (144) and surfaces (128), each once: those that are there in the result.
+void collect_iges_faces(kn_occt_model *m)
+{
+    const Handle(XSControl_WorkSession) &session = m->iges_reader.WS();
+    const Handle(Transfer_TransientProcess) &process = session->TransferReader()->TransientProcess();
+    const Handle(Interface_InterfaceModel) &entities = session->Model();
+    TopTools_IndexedMapOfShape there, taken;
+    TopExp::MapShapes(m->shape, TopAbs_FACE, there);
+    for (int i = 1; i <= entities->NbEntities(); i++) {
+        Handle(IGESData_IGESEntity) entity = Handle(IGESData_IGESEntity)::DownCast(entities->Value(i));
+        int type = entity.IsNull() ? 0 : entity->TypeNumber();
+        if (type != 510 && type != 144 && type != 128) continue;
+        TopoDS_Shape shape = TransferBRep::ShapeResult(process, entity);
+        if (shape.IsNull()) continue;
+        for (TopExp_Explorer e(shape, TopAbs_FACE); e.More(); e.Next()) {
+            int at = there.FindIndex(e.Current());
+            if (at == 0 || taken.Contains(e.Current())) continue;
+            taken.Add(e.Current());
+            m->faces.push_back(TopoDS::Face(there(at))); // as it is turned there
+            Handle(TCollection_HAsciiString) name = entity->NameValue();
+            m->names.push_back(name.IsNull() ? TCollection_AsciiString() : name->String());
+        }
+    }
+}
+
+kn_status load_iges(kn_ctx *ctx, kn_occt_model *m, const char *path)
+{
+    m->iges = true;
+    m->iges_reader.SetColorMode(Standard_True);
+    m->iges_reader.SetNameMode(Standard_True);
+    if (m->iges_reader.ReadFile(path) != IFSelect_RetDone)
+        return kn_fail(ctx, KN_EPARSE, "%s: OCCT cannot read it", path);
+    m->document = new TDocStd_Document("BinXCAF");
+    XCAFDoc_DocumentTool::Set(m->document->Main());
+    if (!m->iges_reader.Transfer(m->document)) return kn_fail(ctx, KN_EPARSE, "%s: OCCT finds no shape in it", path);
+    m->shape = m->iges_reader.OneShape();
+    collect_iges_faces(m);
+    return KN_OK;
+}
+
 kn_status load(kn_ctx *ctx, kn_occt_model *m, const char *path)
 {
     m->reader.SetColorMode(Standard_True);
@@ -122,6 +173,10 @@ int count(const TopoDS_Shape &shape, TopAbs_ShapeEnum kind)
 
 double unit_in_mm(const kn_occt_model *m)
 {
+    if (m->iges) {
+        Handle(IGESData_IGESModel) model = Handle(IGESData_IGESModel)::DownCast(m->iges_reader.WS()->Model());
+        return model->GlobalSection().UnitFlag() == 2 ? 1.0 : 0.0;
+    }
     TColStd_SequenceOfAsciiString lengths, angles, solid_angles;
     const_cast<STEPControl_Reader &>(m->reader.Reader()).FileUnits(lengths, angles, solid_angles);
     if (lengths.Length() != 1) return 0.0;
@@ -152,6 +207,38 @@ void check_face(kn_occt_report &report, Bnd_Box &box, const TopoDS_Face &face, i
         for (int j = 1; j <= surface->NbVPoles(); j++) box.Add(surface->Pole(i, j));
 }
 
+// Shapes of a kind, counted once however often and wherever they are placed.
+int count_once(const TopoDS_Shape &shape, TopAbs_ShapeEnum kind)
+{
+    TopTools_IndexedMapOfShape map;
+    for (TopExp_Explorer e(shape, kind); e.More(); e.Next()) map.Add(e.Current().Located(TopLoc_Location()));
+    return map.Extent();
+}
+
+void check_topology(kn_occt_report &report, const TopoDS_Shape &shape)
+{
+    TopTools_IndexedDataMapOfShapeListOfShape faces_of;
+    GProp_GProps area;
+    report.edges = count(shape, TopAbs_EDGE);
+    report.vertices = count(shape, TopAbs_VERTEX);
+    TopExp::MapShapesAndAncestors(shape, TopAbs_EDGE, TopAbs_FACE, faces_of);
+    for (int i = 1; i <= faces_of.Extent(); i++) {
+        const TopoDS_Edge &edge = TopoDS::Edge(faces_of.FindKey(i));
+        report.free_edges += !BRep_Tool::Degenerated(edge) && faces_of(i).Extent() == 1;
+    }
+    for (TopExp_Explorer e(shape, TopAbs_SHELL); e.More(); e.Next())
+        report.closed_shells += BRep_Tool::IsClosed(e.Current());
+    for (TopExp_Explorer e(shape, TopAbs_SOLID); e.More(); e.Next()) {
+        GProp_GProps one;
+        BRepGProp::VolumeProperties(e.Current(), one);
+        report.volume += one.Mass();
+        report.placed_solids++;
+    }
+    BRepGProp::SurfaceProperties(shape, area);
+    report.area = area.Mass();
+    report.valid = BRepCheck_Analyzer(shape).IsValid();
+}
+
 void list_colours(kn_occt_report *report, const kn_occt_model *m)
 {
     Handle(XCAFDoc_ColorTool) tool = XCAFDoc_DocumentTool::ColorTool(m->document->Main());
@@ -169,7 +256,8 @@ void list_colours(kn_occt_report *report, const kn_occt_model *m)
 
 } // namespace
 
-kn_status kn_occt_open_step(kn_ctx *ctx, kn_occt_model **out, const char *path)
+static kn_status open_model(kn_ctx *ctx, kn_occt_model **out, const char *path,
+                            kn_status (*read)(kn_ctx *ctx, kn_occt_model *m, const char *path))
 {
     FILE *readable = std::fopen(path, "rb");
     if (readable == nullptr) return kn_fail(ctx, KN_EIO, "%s: cannot open", path);
@@ -177,13 +265,23 @@ kn_status kn_occt_open_step(kn_ctx *ctx, kn_occt_model **out, const char *path)
     kn_occt_model *model = nullptr;
     kn_status status = guarded(ctx, path, [&] {
         model = new kn_occt_model;
-        return load(ctx, model, path);
+        return read(ctx, model, path);
     });
     if (status == KN_OK)
         *out = model;
     else
         kn_occt_close(ctx, model);
     return status;
+}
+
+kn_status kn_occt_open_step(kn_ctx *ctx, kn_occt_model **out, const char *path)
+{
+    return open_model(ctx, out, path, load);
+}
+
+kn_status kn_occt_open_iges(kn_ctx *ctx, kn_occt_model **out, const char *path)
+{
+    return open_model(ctx, out, path, load_iges);
 }
 
 void kn_occt_close(kn_ctx *ctx, kn_occt_model *model)
@@ -199,12 +297,23 @@ kn_status kn_occt_check(kn_ctx *ctx, kn_occt_report *out, const kn_occt_model *m
     return guarded(ctx, "check", [&] {
         kn_occt_report report = {};
         Bnd_Box box;
-        report.faces = count(model->shape, TopAbs_FACE);
+        report.faces = count_once(model->shape, TopAbs_FACE);
         if (static_cast<size_t>(report.faces) != model->faces.size())
             return kn_fail(ctx, KN_EUNDECIDED, "OCCT: %d faces from %zu in the file", report.faces,
                            model->faces.size());
-        report.shells = count(model->shape, TopAbs_SHELL);
-        report.solids = count(model->shape, TopAbs_SOLID);
+        report.shells = count_once(model->shape, TopAbs_SHELL);
+        report.solids = count_once(model->shape, TopAbs_SOLID);
+        check_topology(report, model->shape);
+        report.edges = count(model->shape, TopAbs_EDGE);
+        report.vertices = count(model->shape, TopAbs_VERTEX);
+        report.valid = BRepCheck_Analyzer(model->shape).IsValid();
+        for (TopExp_Explorer e(model->shape, TopAbs_SHELL); e.More(); e.Next())
+            report.closed_shells += BRep_Tool::IsClosed(e.Current());
+        for (TopExp_Explorer e(model->shape, TopAbs_SOLID); e.More(); e.Next()) {
+            GProp_GProps properties;
+            BRepGProp::VolumeProperties(e.Current(), properties, Standard_True);
+            report.volume += properties.Mass();
+        }
         report.first_invalid = -1;
         report.unit_mm = unit_in_mm(model);
         for (int i = 0; i < report.faces; i++) check_face(report, box, model->faces[static_cast<size_t>(i)], i);

@@ -15,13 +15,17 @@ typedef struct kn_occt_model kn_occt_model;
 enum { KN_OCCT_COLOURS = 16 };
 
 typedef struct kn_occt_report {
-    int faces, shells, solids;         // as OCCT has them: it gives unconnected faces a shell each
-    int valid_faces;                   // BRepCheck finds nothing wrong with them
-    int first_invalid;                 // the first of the others, -1: none
-    int rational_faces;                // on rational surfaces
-    int max_degree;                    // of any surface
-    double unit_mm;                    // of the file's coordinates
-    double max_tolerance;              // of faces, edges and vertices, mm
+    int faces, shells, solids; // as OCCT has them: it gives unconnected faces a shell each; of an assembly, once
+    int valid_faces;           // BRepCheck finds nothing wrong with them
+    int first_invalid;         // the first of the others, -1: none
+    int rational_faces;        // on rational surfaces
+    int max_degree;            // of any surface
+    double unit_mm;            // of the file's coordinates
+    double max_tolerance;      // of faces, edges and vertices, mm
+    int edges, vertices, free_edges;   // free: of one face only, seams and collapsed edges apart
+    int closed_shells, placed_solids;  // placed: as often as the assembly has them
+    bool valid;                        // BRepCheck finds nothing wrong with the whole
+    double volume, area;               // of the solids, mm3; of all faces, mm2
     double lo[3], hi[3];               // box of the control points, mm
     int ncolours;                      // different ones
     double colour[KN_OCCT_COLOURS][3]; // linear RGB
@@ -30,6 +34,7 @@ typedef struct kn_occt_report {
 // Reads path (mm, whatever the file's unit). *out: kn_occt_close.
 // fails: KN_EIO (cannot be opened), KN_EPARSE (OCCT makes nothing of it), KN_ENOMEM; *out unchanged.
 KN_CHECKED kn_status kn_occt_open_step(kn_ctx *ctx, kn_occt_model **out, const char *path);
+KN_CHECKED kn_status kn_occt_open_iges(kn_ctx *ctx, kn_occt_model **out, const char *path);
 void kn_occt_close(kn_ctx *ctx, kn_occt_model *model); // NULL is fine
 
 // Counts and checks. fails: KN_EUNDECIDED (OCCT threw: the message has its words), KN_ENOMEM; *out unchanged.
