@@ -304,16 +304,6 @@ kn_status kn_occt_check(kn_ctx *ctx, kn_occt_report *out, const kn_occt_model *m
         report.shells = count_once(model->shape, TopAbs_SHELL);
         report.solids = count_once(model->shape, TopAbs_SOLID);
         check_topology(report, model->shape);
-        report.edges = count(model->shape, TopAbs_EDGE);
-        report.vertices = count(model->shape, TopAbs_VERTEX);
-        report.valid = BRepCheck_Analyzer(model->shape).IsValid();
-        for (TopExp_Explorer e(model->shape, TopAbs_SHELL); e.More(); e.Next())
-            report.closed_shells += BRep_Tool::IsClosed(e.Current());
-        for (TopExp_Explorer e(model->shape, TopAbs_SOLID); e.More(); e.Next()) {
-            GProp_GProps properties;
-            BRepGProp::VolumeProperties(e.Current(), properties, Standard_True);
-            report.volume += properties.Mass();
-        }
         report.first_invalid = -1;
         report.unit_mm = unit_in_mm(model);
         for (int i = 0; i < report.faces; i++) check_face(report, box, model->faces[static_cast<size_t>(i)], i);
