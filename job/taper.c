@@ -76,11 +76,14 @@ static entry take(search *q)
 
 // ---- where distance is 0 ----
 
-static bool is_open(const kn_job_surface *s, int d, int end)
+// Nothing is there beyond it, or a surface that is not selected.
+static bool is_open(const kn_job *job, const kn_job_surface *s, int d, int end)
 {
     kn_shell_edge edges[2][2];
+    int other = s->partner[2 * d + end].edge;
     kn_shell_edges(s->shell, edges);
-    return !s->closed[d] && s->partner[2 * d + end].edge < 0 && edges[d][end].kind == KN_EDGE_CURVE;
+    bool goes_on = other >= 0 && kn_job_selects(&job->options.select, job->surfaces[other / 4].origin);
+    return !s->closed[d] && !goes_on && edges[d][end].kind == KN_EDGE_CURVE;
 }
 
 static kn_status offer_ends(kn_ctx *ctx, search *q, int surface)
@@ -91,7 +94,7 @@ static kn_status offer_ends(kn_ctx *ctx, search *q, int surface)
         for (int end = 0; end < 2; end++) {
             int at[2];
             at[d] = end == 0 ? 0 : s->cells[d];
-            if (!is_open(s, d, end)) continue;
+            if (!is_open(q->job, s, d, end)) continue;
             for (int k = 0; status == KN_OK && k <= s->cells[1 - d]; k++) {
                 at[1 - d] = k;
                 status = offer(ctx, q, surface, at[0], at[1], 0.0);
