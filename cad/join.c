@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // kn_cad_join: several faces as surfaces that share sides bit for bit.
 //
+// First surfaces are turned, by quarter turns, so that variables go on over joined sides as far as that can be.
 // Directions of surfaces that joined sides lead from one into the other (across a surface too, from a side to the
 // opposite one) are one class: they get one degree and the same knots over [0,1], on the grid of 2^-53 so that 1 - t
 // is exact. Then weights are scaled alike, corners that are one point become one, and the control points of each
@@ -94,14 +95,85 @@ static kn_status find_seams(kn_ctx *ctx, joining *j)
         status = kn_cad_match_edge(ctx, m, j->cad, e, &j->o);
         if (status != KN_OK) break;
         j->first[k] = place_of(j, edge->face[0]), j->second[k] = place_of(j, edge->face[1]);
-        int a = 2 * j->first[k] + 1 - m->side[0] / 2, b = 2 * j->second[k] + 1 - m->side[1] / 2;
-        if (!m->why && !unite(j, a, b, m->reversed)) m->why = "turned round";
         j->out->seams[j->out->nseams++] = (kn_cad_seam){
             .edge = e, .face = {edge->face[0], edge->face[1]}, .joined = !m->why, .why = m->why, .angle = m->angle};
-        for (int end = 0; !m->why && end < 2; end++) {
+    }
+    return status;
+}
+
+static void unite_seams(joining *j)
+{
+    for (int k = 0; k < j->out->nseams; k++) {
+        kn_cad_match *m = &j->match[k];
+        kn_cad_seam *seam = &j->out->seams[k];
+        if (!seam->joined) continue;
+        int a = 2 * j->first[k] + 1 - m->side[0] / 2, b = 2 * j->second[k] + 1 - m->side[1] / 2;
+        if (!unite(j, a, b, m->reversed)) {
+            seam->joined = false, seam->why = "turned round";
+            continue;
+        }
+        for (int end = 0; end < 2; end++) {
             int x = corner_root(j, corner_of(j->first[k], m->side[0], end));
             int y = corner_root(j, corner_of(j->second[k], m->side[1], m->reversed ? 1 - end : end));
             j->corner[x > y ? x : y] = x > y ? y : x;
+        }
+    }
+}
+
+// ---- turns ----
+
+// A face with all that is known of its sides: (u,v) -> (1 - v, u).
+static kn_status turn_face(kn_ctx *ctx, joining *j, int face)
+{
+    static const int next[4] = {2, 3, 1, 0};
+    kn_spline *s = &j->out->surfaces[face];
+    kn_trim *trim = &j->out->trims[face];
+    kn_status status = kn_spline_permute(ctx, s, s, (const int[]){1, 0});
+    if (status == KN_OK) status = kn_spline_reverse(ctx, s, s, 0);
+    for (int i = 0; i < trim->ncurves; i++) {
+        int n = trim->curves[i].count[0];
+        for (int k = 0; k < n; k++) {
+            double *x = trim->curves[i].coef, u = x[k];
+            x[k] = 1.0 - x[n + k];
+            x[n + k] = u;
+        }
+    }
+    for (int k = 0; k < j->out->nseams; k++)
+        for (int i = 0; i < 2; i++) {
+            if ((i == 0 ? j->first : j->second)[k] != face) continue;
+            int *side = &j->match[k].side[i];
+            if (*side < 2) j->match[k].reversed ^= true; // they run along v, and then against u
+            *side = next[*side];
+        }
+    return status;
+}
+
+// Turns the face at the other end of a joined side until that lies opposite.
+static kn_status turn_next(kn_ctx *ctx, joining *j, int seam, bool *done)
+{
+    int a = j->first[seam], b = j->second[seam], from = done[a] ? 0 : 1, to = done[a] ? b : a;
+    const kn_cad_match *m = &j->match[seam];
+    kn_status status = KN_OK;
+    while (status == KN_OK && m->side[1 - from] != (m->side[from] ^ 1)) status = turn_face(ctx, j, to);
+    done[to] = true;
+    return status;
+}
+
+static kn_status turn_faces(kn_ctx *ctx, joining *j)
+{
+    bool *done = kn_scratch(ctx, (size_t)j->n, sizeof *done);
+    kn_status status = done ? KN_OK : KN_ENOMEM;
+    for (int i = 0; status == KN_OK && i < j->n; i++) done[i] = false;
+    for (int first = 0; status == KN_OK && first < j->n; first++) {
+        if (done[first]) continue;
+        done[first] = true;
+        for (bool more = true; more && status == KN_OK;) {
+            more = false;
+            for (int k = 0; k < j->out->nseams && status == KN_OK; k++) {
+                if (!j->out->seams[k].joined || done[j->first[k]] == done[j->second[k]]) continue;
+                more = true;
+                status = turn_next(ctx, j, k, done);
+            }
         }
     }
     return status;
@@ -390,6 +462,8 @@ kn_status kn_cad_join(kn_ctx *ctx, kn_cad_joined *out, const kn_cad *cad, const 
     kn_mark mark = kn_scratch_mark(ctx);
     status = begin(ctx, &j);
     if (status == KN_OK) status = find_seams(ctx, &j);
+    if (status == KN_OK) status = turn_faces(ctx, &j);
+    if (status == KN_OK) unite_seams(&j);
     for (int d = 0; status == KN_OK && d < 2 * n; d++)
         if (j.parent[d] == d) status = make_alike(ctx, &j, d);
     if (status == KN_OK) status = share_kind(ctx, &j);

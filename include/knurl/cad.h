@@ -129,9 +129,11 @@ KN_API void kn_cad_joined_clear(kn_ctx *ctx, kn_cad_joined *joined); // leaves i
 // the same degrees and knots along it and the same control points, bit for bit. Elsewhere they stay apart.
 // in:     a model that kn_cad_check accepts; n different faces of it (else KN_EDOMAIN). options NULL: the defaults.
 // out:    initialised, overwritten; seams in the order of the model's edges. Surfaces that are joined are all
-//         rational where one of them is, and run over [0,1] along their common edges. why: "angle", "part of a side"
-//         (the edge is no whole side of both), "more faces", "a point", "parameter lines" (other curves, or others'
-//         parameters), "turned round" (joined faces lead back to this edge in the other direction), "not wanted".
+//         rational where one of them is, run over [0,1] along their common edges, and are turned by quarter turns,
+//         with their trims, so that directions go on from the first face of each group as far as they can. why:
+//         "angle", "part of a side" (the edge is no whole side of both), "more faces", "a point", "parameter lines"
+//         (other curves, or others' parameters), "turned round" (joined faces lead back to this edge in the other
+//         direction), "not wanted".
 // fails:  KN_EDOMAIN, KN_ELIMIT (degrees, knots), KN_ENOMEM; out unchanged.
 // error:  *moved: control points of a side that moved by d move the surface by d at most; weights that differ by a
 //         part e, by 4 e times the size of the surface.
