@@ -2,8 +2,8 @@
 // A sink that tessellates patches into a Wavefront OBJ file, with its materials in an .mtl file beside it.
 #include <knurl/io.h>
 
+#include "io/obj.h"
 #include "io/out_file.h"
-#include "io/text_buffer.h"
 #include "kernel/context.h"
 
 #include <math.h>
@@ -21,6 +21,7 @@ typedef struct obj {
     char *library;                // the name of the .mtl file, without its folder
     char (*names)[KN_NAME_BYTES]; // of parts, as groups and materials
     int nparts;
+    kn_obj_patch *put; // NULL: triangles
 } obj;
 
 // Names end at white space in this format.
@@ -156,6 +157,14 @@ static void obj_discard(kn_ctx *ctx, void *user, void *product)
     kn_free(ctx, text);
 }
 
+static kn_status put_triangles(kn_ctx *worker, kn_text *text, kn_mesh *mesh, const kn_patch *patch)
+{
+    mesh->nvertices = mesh->ntriangles = 0;
+    kn_status status = kn_patch_tessellate(worker, mesh, patch);
+    if (status == KN_OK) put_mesh(text, mesh);
+    return status == KN_OK && kn_patch_line_points(patch) > 0 ? put_line(worker, text, patch) : status;
+}
+
 static kn_status format(kn_ctx *worker, const obj *o, const kn_patch_block *block, kn_text *text)
 {
     kn_mesh mesh = {0};
@@ -165,13 +174,12 @@ static kn_status format(kn_ctx *worker, const obj *o, const kn_patch_block *bloc
         const kn_patch *patch = &block->patches[i];
         if (patch->look < 0 || patch->look >= o->nparts)
             status = kn_fail(worker, KN_EDOMAIN, "OBJ: a patch of part %d, of %d", patch->look, o->nparts);
-        mesh.nvertices = mesh.ntriangles = 0;
-        if (status == KN_OK) status = kn_patch_tessellate(worker, &mesh, patch);
-        if (status != KN_OK) break;
-        if (patch->look != part) put_group(text, o->names[patch->look]);
+        if (status == KN_OK && patch->look != part) put_group(text, o->names[patch->look]);
         part = patch->look;
-        put_mesh(text, &mesh);
-        if (kn_patch_line_points(patch) > 0) status = put_line(worker, text, patch);
+        if (status == KN_OK && o->put && !patch->mesh)
+            status = o->put(worker, text, patch);
+        else if (status == KN_OK)
+            status = put_triangles(worker, text, &mesh, patch);
     }
     kn_mesh_clear(worker, &mesh);
     return status == KN_OK && text->failed ? KN_ENOMEM : status;
@@ -258,11 +266,12 @@ static kn_status library_name(kn_ctx *ctx, char **whole, size_t *last, const cha
     return KN_OK;
 }
 
-kn_status kn_obj_sink(kn_ctx *ctx, kn_sink *out, const char *path)
+kn_status kn_obj_open(kn_ctx *ctx, kn_sink *out, const char *path, kn_obj_patch *put)
 {
     size_t last = 0;
     obj *o = kn_alloc_zero(ctx, 1, sizeof *o);
     if (o == NULL) return KN_ENOMEM;
+    o->put = put;
     kn_status status = library_name(ctx, &o->library, &last, path);
     if (status == KN_OK && strcmp(o->library, path) == 0)
         status = kn_fail(ctx, KN_EDOMAIN, "%s: the name is taken by the materials of the OBJ file", path);
@@ -276,4 +285,9 @@ kn_status kn_obj_sink(kn_ctx *ctx, kn_sink *out, const char *path)
     *out = (kn_sink){o,       obj_begin, obj_work,  obj_commit, obj_discard,
                      obj_end, obj_close, obj_bytes, obj_save,   obj_restore};
     return KN_OK;
+}
+
+kn_status kn_obj_sink(kn_ctx *ctx, kn_sink *out, const char *path)
+{
+    return kn_obj_open(ctx, out, path, NULL);
 }

@@ -127,6 +127,29 @@ static kn_status normalise(kn_ctx *ctx, kn_spline *s)
     return status;
 }
 
+static bool is_above(const kn_spline *s, int degree)
+{
+    for (int d = 0; d < s->nvars; d++)
+        if (s->degree[d] > degree) return true;
+    return false;
+}
+
+static kn_status keep_pieces(kn_ctx *ctx, stream *s, const kn_spline *spline)
+{
+    kn_bezier *pieces = NULL;
+    size_t n = 0;
+    kn_status status = kn_spline_to_bezier(ctx, &pieces, &n, spline);
+    for (size_t i = 0; i < n; i++) {
+        kn_spline piece = {0};
+        if (status == KN_OK) status = kn_spline_of_bezier(ctx, &piece, &pieces[i]);
+        if (status == KN_OK) status = keep(ctx, s, &piece);
+        kn_spline_clear(ctx, &piece);
+        kn_bezier_clear(ctx, &pieces[i]);
+    }
+    kn_free(ctx, pieces);
+    return status;
+}
+
 // What lies in the plane is taken to lie in z = 0; what lies elsewhere, or has more variables, is left out.
 static kn_status take(kn_ctx *ctx, stream *s, const kn_spline *from, const kn_stream_options *o)
 {
@@ -139,7 +162,10 @@ static kn_status take(kn_ctx *ctx, stream *s, const kn_spline *from, const kn_st
     if (status == KN_OK && o->unit_domains) status = normalise(ctx, &own);
     if (status == KN_OK) status = kn_spline_box(ctx, lo, hi, &own);
     if (status == KN_OK) grow(s, lo), grow(s, hi);
-    if (status == KN_OK) status = o->split ? kn_split_kinks(ctx, s, keep_piece, &own) : keep(ctx, s, &own);
+    if (status == KN_OK && o->max_degree > 0 && is_above(&own, o->max_degree))
+        status = keep_pieces(ctx, s, &own);
+    else if (status == KN_OK)
+        status = o->split ? kn_split_kinks(ctx, s, keep_piece, &own) : keep(ctx, s, &own);
     kn_spline_clear(ctx, &own);
     return status;
 }
@@ -221,6 +247,23 @@ static kn_status copy_mesh(kn_ctx *ctx, kn_mesh *out, const kn_mesh *mesh)
     return KN_OK;
 }
 
+// What is one piece over the unit box is said to be one.
+static void set_patch(kn_patch *p, const kn_spline *s, int segments)
+{
+    bool piece = true;
+    p->bezier = (kn_bezier){.nvars = s->nvars, .ncomp = s->ncomp, .rational = s->rational, .coef = s->coef};
+    for (int d = 0; d < s->nvars; d++) {
+        double lo, hi;
+        kn_spline_domain(s, d, &lo, &hi);
+        piece = piece && s->count[d] == s->degree[d] + 1 && lo == 0.0 && hi == 1.0;
+        p->bezier.degree[d] = s->degree[d];
+        p->segments[d] = segments * kn_spline_spans(s, d);
+    }
+    if (piece) return;
+    p->bezier = (kn_bezier){0};
+    p->spline = s;
+}
+
 static kn_status make_patches(kn_ctx *ctx, stream *s)
 {
     s->npatches = s->nsplines + (s->mesh.ntriangles > 0);
@@ -234,8 +277,7 @@ static kn_status make_patches(kn_ctx *ctx, stream *s)
             p->mesh = &s->mesh;
             continue;
         }
-        p->spline = &s->splines[i];
-        for (int d = 0; d < p->spline->nvars; d++) p->segments[d] = s->segments * kn_spline_spans(p->spline, d);
+        set_patch(p, &s->splines[i], s->segments);
     }
     return KN_OK;
 }

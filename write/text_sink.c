@@ -206,25 +206,33 @@ static void grow_box(written *made, const kn_write_item *item)
     }
 }
 
+static kn_status write_items(kn_ctx *worker, const kn_write_text *w, const kn_write_item *items, size_t n,
+                             written *made)
+{
+    const kn_write_format *f = w->format;
+    kn_status status = KN_OK;
+    for (size_t i = 0; i < n; i++) grow_box(made, &items[i]);
+    if (f->block && n > 0) status = f->block(worker, &made->text, w, items, n);
+    for (size_t i = 0; status == KN_OK && !f->block && i < n; i++)
+        status = f->patch(worker, &made->text, w, &items[i]);
+    return status == KN_OK && made->text.failed ? KN_ENOMEM : status;
+}
+
 static kn_status write_block(kn_ctx *worker, const kn_write_text *w, const kn_patch_block *block, written *made)
 {
-    kn_status status = KN_OK;
-    const kn_write_format *f = w->format;
-    for (size_t i = 0; status == KN_OK && i < block->count; i++)
-        status = kn_write_check(worker, f, w->nlooks, &block->patches[i]);
-    if (status == KN_OK && f->open_block) status = f->open_block(worker, &made->text, w, block);
+    kn_write_item *items = kn_alloc_zero(worker, block->count + 1, sizeof *items);
+    kn_status status = items ? KN_OK : KN_ENOMEM;
     for (size_t i = 0; status == KN_OK && i < block->count; i++) {
-        kn_write_item item = {0};
-        status = kn_write_item_init(worker, &item, &block->patches[i]);
+        const kn_patch *patch = &block->patches[i];
+        status = kn_write_check(worker, w->format, w->nlooks, patch);
+        if (status == KN_OK) status = kn_write_item_init(worker, &items[i], patch);
         if (status != KN_OK) break;
-        item.look = &w->looks[block->patches[i].look];
-        item.previous = i > 0 ? block->patches[i - 1].look : -1;
-        grow_box(made, &item);
-        status = f->patch(worker, &made->text, w, &item);
-        kn_write_item_clear(worker, &item);
+        items[i].look = &w->looks[patch->look];
     }
-    if (status == KN_OK && f->close_block) f->close_block(&made->text, w, block);
-    return status == KN_OK && made->text.failed ? KN_ENOMEM : status;
+    if (status == KN_OK) status = write_items(worker, w, items, block->count, made);
+    for (size_t i = 0; items && i < block->count; i++) kn_write_item_clear(worker, &items[i]);
+    kn_free(worker, items);
+    return status;
 }
 
 static kn_status work(kn_ctx *worker, void *user, const kn_patch_block *block, void **product)

@@ -34,18 +34,16 @@ typedef struct kn_write_item {
     kn_spline spline; // empty for a mesh
     kn_trim trim;     // of a surface; empty: all of it
     const kn_write_look *look;
-    int previous; // the look of the patch before it in the block; -1: it is the first
 } kn_write_item;
 
 typedef struct kn_write_format {
     const char *name; // for messages
     unsigned holds;
-    void (*head)(kn_text *text, const kn_write_text *w); // each may be NULL but patch
+    void (*head)(kn_text *text, const kn_write_text *w); // NULL: none; so too tail
+    // One of these two: a patch, or all patches of a block.
     kn_status (*patch)(kn_ctx *worker, kn_text *text, const kn_write_text *w, const kn_write_item *item);
+    kn_status (*block)(kn_ctx *worker, kn_text *text, const kn_write_text *w, const kn_write_item *items, size_t n);
     void (*tail)(kn_text *text, const kn_write_text *w);
-    // Around the patches of a block.
-    kn_status (*open_block)(kn_ctx *worker, kn_text *text, const kn_write_text *w, const kn_patch_block *block);
-    void (*close_block)(kn_text *text, const kn_write_text *w, const kn_patch_block *block);
 } kn_write_format;
 
 // The sink of a format for path. fails: as those of write.h.

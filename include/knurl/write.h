@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Streaming writers of exact patches: GoTools, IRIT. (STL, OBJ triangles: io.h; STEP: step.h; IGES: iges.h.)
+// Streaming writers of exact patches: GoTools, IRIT, OBJ surfaces, VTK. (STL, OBJ triangles: io.h; STEP: step.h; IGES: iges.h.)
 #ifndef KNURL_WRITE_H
 #define KNURL_WRITE_H
 
@@ -24,6 +24,16 @@ KN_API KN_CHECKED kn_status kn_g2_sink(kn_ctx *ctx, kn_sink *out, const char *pa
 // with a name, "s0_c3_4_ring_12" for surface, cell, part and patch, and the colour of its part. kn_read_itd reads all but
 // trimmed surfaces back, bit for bit.
 KN_API KN_CHECKED kn_status kn_itd_sink(kn_ctx *ctx, kn_sink *out, const char *path);
+
+// Wavefront OBJ with curves and surfaces instead of triangles ("cstype bspline", "rat bspline"), trims as loops of
+// curves of the parameter plane, volumes as those of their faces that lie outside, meshes as triangles; groups and
+// materials as kn_obj_sink has them. error: rational points are divided by their weights.
+KN_API KN_CHECKED kn_status kn_obj_surfaces_sink(kn_ctx *ctx, kn_sink *out, const char *path);
+// VTK unstructured grid (.vtu): Bezier curves, quadrilaterals and hexahedra of any degree, with RationalWeights and
+// HigherOrderDegrees, and the numbers of part and surface as cell data: what ParaView draws exactly, and analysis takes
+// volumes from. Splines go out piece by piece, trimmed surfaces and meshes as triangles. error: rational points are
+// divided by their weights, pieces as kn_spline_to_bezier.
+KN_API KN_CHECKED kn_status kn_vtu_sink(kn_ctx *ctx, kn_sink *out, const char *path);
 
 #ifdef __cplusplus
 }
