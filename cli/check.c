@@ -92,7 +92,7 @@ static int check_arguments(check *c)
     const cli_job *job = &c->job;
     bool cells = job->options.count[0] || job->has_size || job->options.spacing || job->options.rows ||
                  job->options.stretch || job->options.quarter_turns || check_by_cell(c) || job->mask.text ||
-                 job->nfaces > 0 || job->has_camera || job->nvary > 0 || job->scatter.value > 0 ||
+                 job->nfaces > 0 || job->nface_texts > 0 || job->has_camera || job->nvary > 0 || job->scatter.value > 0 ||
                  job->taper.value > 0;
     const char *missing = wrong                                              ? wrong
                           : !job->base                                       ? "a BASE file is missing"
@@ -168,6 +168,7 @@ static int examine(cli_session *session, check *c)
     if (code == EXIT_OK && c->job.tile) code = cli_read_job_tile(session, &c->tile, &c->job);
     if (code == EXIT_OK) code = cli_job_begin(session, &c->job);
     if (code == EXIT_OK) code = cli_read_base(session, &c->base, c->job.base, true);
+    if (code == EXIT_OK) code = cli_choose_faces(session, &c->job, &c->base);
     if (code == EXIT_OK) code = check_height(c);
     if (code == EXIT_OK) code = check_make_shells(session, c);
     if (code == EXIT_OK) {

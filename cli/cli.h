@@ -97,11 +97,28 @@ double cli_seconds(void); // a monotonic clock
 typedef struct cli_base {
     kn_spline *surfaces;
     int nsurfaces;
+    const char *path;
+    kn_cad cad;     // of a CAD file, whose face i is surface i; else empty
+    kn_trim *trims; // of its surfaces, empty where a face is whole; NULL: all are
 } cli_base;
 int cli_read_base(cli_session *session, cli_base *out, const char *path, bool volumes); // exit code
 void cli_base_clear(cli_session *session, cli_base *base);
+// STEP, IGES and BREP, by the ending.
+bool cli_is_cad(const char *path);
+// Runs knurl-cad with arguments[0 ..] up to NULL; what it writes on standard output goes to *data, for kn_free, its
+// warnings to the log, and what it says of a failure becomes the message. path: the file that it reads.
+kn_status cli_run_cad(kn_ctx *ctx, unsigned char **data, size_t *bytes, const char *const *arguments,
+                      const char *path);
+kn_status cli_read_cad(kn_ctx *ctx, kn_cad *out, const char *path);
+// kn_read_model, and of CAD files the surfaces of all faces, whole.
+kn_status cli_read_model(kn_ctx *ctx, kn_model *out, const char *path);
 // A built-in tile by name, or a tile from a file; cell: u0, v0, u1, v1 or NULL.
 int cli_read_tile(cli_session *session, kn_tile *out, const char *name, const double *cell);
+// A mesh by its ending: .obj .stl .ply .off .3mf .glb .gltf.
+bool cli_is_mesh(const char *path);
+kn_status cli_read_mesh(kn_ctx *ctx, kn_mesh *out, const char *path);
+// The file's name without its folder and ending, cut to what fits.
+void cli_name_of(char name[KN_NAME_BYTES], const char *path);
 // The tile of a job, and what its description says of counts and heights where the job does not.
 struct cli_job;
 int cli_read_job_tile(cli_session *session, kn_tile *out, struct cli_job *job);
@@ -158,6 +175,7 @@ typedef struct cli_scalar {
 enum {
     CLI_MAX_COUNT = 65536, // cells along a surface: what a job takes
     CLI_MAX_FACES = 1024,
+    CLI_MAX_FACE_TEXTS = 16,
     CLI_MAX_VARY = 32,
     CLI_MAX_PALETTE = 32,
     CLI_MAX_COLORED = 16,
@@ -191,12 +209,16 @@ typedef struct cli_job {
     double camera[7];           // eye, what it looks at, degrees
     uint64_t given[CLI_THEMES]; // bit i of theme t: its option i was given
     int faces[CLI_MAX_FACES], nfaces, nvary;
+    const char *face_text[CLI_MAX_FACE_TEXTS]; // that a CAD file is to be asked for
+    int *chosen, nchosen, nface_texts;         // chosen: all of them, once cli_choose_faces has found them
+    int max_degree; // of faces in CAD files; 0: 25
     int on; // the layer that is its base, counted from 1; 0: the recipe's base
     int threads;
     bool has_cell, has_size, has_camera;
     bool base_only; // it is not written itself
     bool json, quiet;
     bool recipe_cells;        // count or size came from a recipe: an option replaces them
+    bool recipe_faces;        // likewise
     char name[KN_NAME_BYTES]; // of the layer, in a recipe
 } cli_job;
 
@@ -212,6 +234,9 @@ bool cli_job_was_given(const cli_job *job, int option);
 // is until cli_job_end.
 int cli_job_begin(cli_session *session, cli_job *job);
 void cli_job_end(cli_session *session, cli_job *job);
+// The surfaces of the base that the job's --faces name, and the base's trims, into job->options. After cli_job_begin.
+// Exit code.
+int cli_choose_faces(cli_session *session, cli_job *job, const cli_base *base);
 int cli_read_field(cli_session *session, cli_field *field, cli_field_kind kind); // exit code
 // A surface of one component (or three, of which the last one counts) over [0,1]^2. Exit code.
 int cli_read_scalar_spline(cli_session *session, kn_spline *out, const char *path, const char *name);
@@ -247,6 +272,10 @@ void cli_job_range(const cli_job *job, double range[2]);
 int cli_choice(const char *name, const char *text, const char *const *names, int n, const char *expected);
 bool cli_set_unit(const char *name, const char *text, double *unit_mm);
 bool cli_set_cell(const char *name, const char *text, double cell[4]);
+// A number from 3 on, or a receiver's name; KN_MAX_DEGREE: exact, nothing is above it.
+bool cli_set_max_degree(const char *name, const char *text, int *degree);
+// The limits of CAD files: the degree, or 25, and --tol, or 0.01 mm, in the base's unit.
+kn_limit_options cli_limits_of(const cli_job *job);
 bool cli_length_of(const char *name, const char *text, cli_length *out);
 bool cli_positive_length(const char *name, const char *text, cli_length *out);
 // "A" for both, or "A,B".
@@ -300,7 +329,12 @@ typedef struct cli_apply {
 
 // A sink for path by its ending. False (nothing printed) when the ending has no writer.
 bool cli_can_write(const char *path);
-kn_status cli_open_sink(kn_ctx *ctx, kn_sink *out, const char *path, double unit_mm);
+typedef struct cli_output_options {
+    double unit_mm;
+    bool obj_surfaces; // curves and surfaces in .obj files instead of triangles
+} cli_output_options;
+kn_status cli_open_sink(kn_ctx *ctx, kn_sink *out, const char *path, const cli_output_options *options);
+bool cli_writes_cad(const char *path); // of those that can be written
 const char *cli_writable_endings(void);
 // Bytes that a writer will need, estimated before anything is composed.
 double cli_estimate_bytes(const char *path, const kn_job_report *report);
@@ -309,13 +343,15 @@ typedef struct cli_timing {
     double read, plan, run;
 } cli_timing;
 struct cli_plan;
-void cli_print_apply(const cli_apply *apply, const struct cli_plan *plan, const double *bytes,
-                     const cli_timing *timing, size_t peak_bytes);
+struct cli_fit;
+void cli_print_apply(const cli_apply *apply, const struct cli_plan *plan, const struct cli_fit *fit,
+                     const double *bytes, const cli_timing *timing, size_t peak_bytes);
 
 // ---- info ----
 // Creases, poles, apexes and places without a normal of a model's surfaces, as arrays in notes; and as lines of text.
 kn_status cli_look_at_edges(kn_ctx *ctx, struct json_t *notes, const kn_model *model);
 void cli_print_edges(const struct json_t *notes);
+int cli_info_cad(cli_session *session, const char *file, bool json); // bodies, faces, edges. Exit code
 
 // ---- tiles ----
 // What is proved of a tile: its periodicity, and whether it covers. Exit code.
@@ -330,5 +366,6 @@ int cli_command_eval(int argc, char **argv);
 int cli_command_render(int argc, char **argv);
 int cli_command_check(int argc, char **argv);
 int cli_command_slice(int argc, char **argv);
+int cli_command_convert(int argc, char **argv);
 
 #endif

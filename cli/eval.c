@@ -133,7 +133,7 @@ static int eval_file(const request *r)
     cli_session *session = cli_session_begin((cli_session_options){.threads = 1});
     if (!session) return EXIT_FAILED;
     kn_model model = {0};
-    kn_status status = kn_read_model(cli_ctx(session), &model, r->file);
+    kn_status status = cli_read_model(cli_ctx(session), &model, r->file);
     int code = status == KN_OK ? EXIT_OK : cli_fail(session, status, true);
     if (code == EXIT_OK && (r->patch < 0 || r->patch >= model.nsplines)) {
         cli_error("--patch: '%s' has patches 0 to %d, got %d", r->file, model.nsplines - 1, r->patch);

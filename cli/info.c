@@ -183,7 +183,7 @@ int cli_command_info(int argc, char **argv)
         code = info_scene(session, file, json);
     else
 #endif
-        code = info_splines(session, file, json);
+        code = cli_is_cad(file) ? cli_info_cad(session, file, json) : info_splines(session, file, json);
     cli_session_end(session);
     return code;
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Bases named on the command line.
 #include "cli/cli.h"
+#include "kernel/context.h"
 
 // Keeps the surfaces of a model in their order, and volumes if wanted, and drops the rest.
 static int keep_surfaces(kn_ctx *ctx, kn_model *model, bool volumes)
@@ -16,10 +17,39 @@ static int keep_surfaces(kn_ctx *ctx, kn_model *model, bool volumes)
     return kept;
 }
 
+// Surface i is a copy of face i's, trimmed as it is.
+static kn_status copy_faces(kn_ctx *ctx, cli_base *out)
+{
+    const kn_cad *cad = &out->cad;
+    size_t n = (size_t)cad->nfaces;
+    bool trimmed = false;
+    for (int i = 0; i < cad->nfaces; i++) trimmed = trimmed || !cad->faces[i].whole;
+    out->surfaces = kn_alloc_zero(ctx, n, sizeof *out->surfaces);
+    if (trimmed) out->trims = kn_alloc_zero(ctx, n, sizeof *out->trims);
+    kn_status status = out->surfaces && (out->trims || !trimmed) ? KN_OK : KN_ENOMEM;
+    for (int i = 0; status == KN_OK && i < cad->nfaces; i++) {
+        status = kn_spline_copy(ctx, &out->surfaces[out->nsurfaces++], &cad->faces[i].surface);
+        if (status == KN_OK && !cad->faces[i].whole) status = kn_trim_copy(ctx, &out->trims[i], &cad->faces[i].trim);
+    }
+    return status;
+}
+
+static int read_cad_base(cli_session *session, cli_base *out, const char *path)
+{
+    kn_ctx *ctx = cli_ctx(session);
+    kn_status status = cli_read_cad(ctx, &out->cad, path);
+    if (status == KN_OK) status = copy_faces(ctx, out);
+    if (status == KN_OK) return EXIT_OK;
+    cli_base_clear(session, out);
+    return cli_fail(session, status, true);
+}
+
 int cli_read_base(cli_session *session, cli_base *out, const char *path, bool volumes)
 {
     kn_ctx *ctx = cli_ctx(session);
     kn_model model = {0};
+    out->path = path;
+    if (cli_is_cad(path)) return read_cad_base(session, out, path);
     kn_status status = kn_read_model(ctx, &model, path);
     if (status != KN_OK) return cli_fail(session, status, true);
     int found = model.nsplines;
@@ -38,7 +68,56 @@ int cli_read_base(cli_session *session, cli_base *out, const char *path, bool vo
 void cli_base_clear(cli_session *session, cli_base *base)
 {
     for (int i = 0; i < base->nsurfaces; i++) kn_spline_clear(cli_ctx(session), &base->surfaces[i]);
+    for (int i = 0; base->trims && i < base->nsurfaces; i++) kn_trim_clear(cli_ctx(session), &base->trims[i]);
     kn_free(cli_ctx(session), base->surfaces);
-    base->surfaces = NULL;
-    base->nsurfaces = 0;
+    kn_free(cli_ctx(session), base->trims);
+    kn_cad_clear(cli_ctx(session), &base->cad);
+    *base = (cli_base){0};
+}
+
+static kn_status find_faces(kn_ctx *ctx, bool *flags, const cli_job *job, const kn_cad *cad)
+{
+    kn_status status = KN_OK;
+    for (int i = 0; i < job->nfaces && status == KN_OK; i++) {
+        if (job->faces[i] >= cad->nfaces)
+            status = kn_fail(ctx, KN_EDOMAIN, "faces: face %d; the file has 0 to %d", job->faces[i], cad->nfaces - 1);
+        else
+            flags[job->faces[i]] = true;
+    }
+    for (int i = 0; i < job->nface_texts && status == KN_OK; i++) {
+        int *found = NULL, n = 0;
+        status = kn_cad_find(ctx, &found, &n, cad, job->face_text[i]);
+        for (int k = 0; k < n; k++) flags[found[k]] = true;
+        kn_free(ctx, found);
+    }
+    return status;
+}
+
+int cli_choose_faces(cli_session *session, cli_job *job, const cli_base *base)
+{
+    kn_ctx *ctx = cli_ctx(session);
+    const kn_cad *cad = &base->cad;
+    if (cad->nfaces == 0 && job->nface_texts > 0) {
+        cli_error("--faces: %s is no CAD file: its surfaces have numbers alone, got '%s'", base->path,
+                  job->face_text[0]);
+        return EXIT_USAGE;
+    }
+    job->options.trims = base->trims;
+    if (cad->nfaces == 0) return EXIT_OK;
+    if (job->nfaces == 0 && job->nface_texts == 0) {
+        if (cad->nfaces > 1)
+            cli_warn(session, "%s: all its %d faces are meant; --faces chooses some, 'knurl info' lists them",
+                     base->path, cad->nfaces);
+        return EXIT_OK;
+    }
+    bool *flags = kn_alloc_zero(ctx, (size_t)cad->nfaces, sizeof *flags);
+    job->chosen = kn_alloc(ctx, (size_t)cad->nfaces, sizeof *job->chosen);
+    kn_status status = flags && job->chosen ? find_faces(ctx, flags, job, cad) : KN_ENOMEM;
+    job->nchosen = 0;
+    for (int i = 0; status == KN_OK && i < cad->nfaces; i++)
+        if (flags[i]) job->chosen[job->nchosen++] = i;
+    kn_free(ctx, flags);
+    job->options.select.surfaces = job->chosen;
+    job->options.select.nsurfaces = job->nchosen;
+    return status == KN_OK ? EXIT_OK : cli_fail_on(session, status, base->path, true);
 }

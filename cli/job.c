@@ -145,6 +145,10 @@ static int set_scalars(cli_session *session, cli_job *job)
 
 int cli_job_begin(cli_session *session, cli_job *job)
 {
+    if (job->base && cli_is_cad(job->base) && job->unit_mm != 1) {
+        cli_warn(session, "%s: CAD files are read in millimetres, whatever --unit says", job->base);
+        job->unit_mm = 1;
+    }
     set_lengths(job);
     job->options.select.surfaces = job->nfaces > 0 ? job->faces : NULL;
     job->options.select.nsurfaces = job->nfaces;
@@ -157,6 +161,8 @@ int cli_job_begin(cli_session *session, cli_job *job)
 void cli_job_end(cli_session *session, cli_job *job)
 {
     for (int f = 0; f < CLI_FIELDS; f++) kn_spline_clear(cli_ctx(session), &job->field[f].spline);
+    kn_free(cli_ctx(session), job->chosen);
+    job->chosen = NULL;
     cli_scalar_end(session, &job->mask);
     cli_scalar_end(session, &job->color.field);
     for (int i = 0; i < job->nvary; i++) cli_scalar_end(session, &job->vary[i].value);

@@ -31,6 +31,41 @@ typedef struct request {
 } request;
 
 #if CAN_RENDER
+// The breaks of variable d, over [0,1]: one more than there are spans. For free().
+static double *breaks_of(const kn_spline *s, int d)
+{
+    double lo, hi, *out = malloc(((size_t)kn_spline_spans(s, d) + 1) * sizeof *out);
+    int n = 0;
+    kn_spline_domain(s, d, &lo, &hi);
+    for (int k = s->degree[d]; out && k <= s->count[d]; k++)
+        if (k == s->count[d] || s->knots[d][k] < s->knots[d][k + 1]) out[n++] = (s->knots[d][k] - lo) / (hi - lo);
+    return out;
+}
+
+// Piece by piece, what the trim leaves of each; NULL: all.
+static kn_status add_surface(kn_ctx *ctx, kn_mesh *mesh, const kn_spline *s, const kn_trim *trim)
+{
+    kn_bezier *pieces = NULL;
+    size_t n = 0, across = (size_t)kn_spline_spans(s, 1);
+    double *u = breaks_of(s, 0), *v = breaks_of(s, 1);
+    kn_status status = u && v ? kn_spline_to_bezier(ctx, &pieces, &n, s) : KN_ENOMEM;
+    for (size_t k = 0; k < n; k++) {
+        kn_trim part = {0};
+        bool any = true;
+        size_t i = k / across, j = k % across;
+        if (status == KN_OK && trim)
+            status = kn_trim_restrict(ctx, &part, &any, trim, (double[2]){u[i], v[j]},
+                                      (double[2]){u[i + 1], v[j + 1]});
+        if (status == KN_OK && any)
+            status = kn_mesh_add_trimmed(ctx, mesh, &pieces[k], &part, (int[2]){24, 24}, false);
+        kn_trim_clear(ctx, &part);
+        kn_bezier_clear(ctx, &pieces[k]);
+    }
+    kn_free(ctx, pieces);
+    free(u), free(v);
+    return status;
+}
+
 // Surfaces without a texture, as glazed ceramic.
 static int tessellate(cli_session *session, kn_scene_item *out, const char *path)
 {
@@ -39,16 +74,8 @@ static int tessellate(cli_session *session, kn_scene_item *out, const char *path
     int code = cli_read_base(session, &base, path, false);
     if (code != EXIT_OK) return code;
     kn_status status = KN_OK;
-    for (int i = 0; i < base.nsurfaces && status == KN_OK; i++) {
-        kn_bezier *pieces = NULL;
-        size_t n = 0;
-        status = kn_spline_to_bezier(ctx, &pieces, &n, &base.surfaces[i]);
-        for (size_t k = 0; k < n; k++) {
-            if (status == KN_OK) status = kn_mesh_add_patch(ctx, &out->mesh, &pieces[k], (int[2]){24, 24}, false);
-            kn_bezier_clear(ctx, &pieces[k]);
-        }
-        kn_free(ctx, pieces);
-    }
+    for (int i = 0; i < base.nsurfaces && status == KN_OK; i++)
+        status = add_surface(ctx, &out->mesh, &base.surfaces[i], base.trims ? &base.trims[i] : NULL);
     out->material = (kn_material){{0.80, 0.78, 0.74}, 0.0, 0.35};
     cli_base_clear(session, &base);
     return status == KN_OK ? EXIT_OK : cli_fail(session, status, false);

@@ -31,11 +31,10 @@ static bool take_whole(const char **at, unsigned long long most, unsigned long l
 }
 
 // "0,3,5-9": numbers and ranges of the base's surfaces.
-static bool set_faces(cli_job *job, const char *name, const char *text)
+static bool add_numbers(cli_job *job, const char *name, const char *text)
 {
     const char *at = text;
     unsigned long long lo, hi;
-    job->nfaces = 0;
     for (bool more = true; more; more = *at == ',', at += more) {
         if (!take_whole(&at, 1 << 30, &lo)) break;
         hi = lo;
@@ -48,8 +47,25 @@ static bool set_faces(cli_job *job, const char *name, const char *text)
         for (; lo <= hi; lo++) job->faces[job->nfaces++] = (int)lo;
         if (*at == '\0') return true;
     }
-    cli_error("%s: expected numbers of surfaces, from 0, such as 0,3,5-9; got '%s'", name, text);
+    cli_error("%s: expected numbers of surfaces, from 0, such as 0,3,5-9; or of faces of a CAD file also name:TEXT, "
+              "body:TEXT, type:TYPE, color:#rrggbb or near:X,Y,Z; got '%s'",
+              name, text);
     return false;
+}
+
+// Several of them add up; an option replaces what a recipe says.
+static bool set_faces(cli_job *job, const char *name, const char *text)
+{
+    bool recipe = strncmp(name, "--", 2) != 0;
+    if (recipe || job->recipe_faces) job->nfaces = job->nface_texts = 0;
+    job->recipe_faces = recipe;
+    if (!strchr(text, ':')) return add_numbers(job, name, text);
+    if (job->nface_texts == CLI_MAX_FACE_TEXTS) {
+        cli_error("%s: more than %d of them; '+' joins several", name, CLI_MAX_FACE_TEXTS);
+        return false;
+    }
+    job->face_text[job->nface_texts++] = text;
+    return true;
 }
 
 // The axis: x, y, z, -x, -y, -z, or three numbers.

@@ -127,13 +127,45 @@ static int find_mesh_reader(const char *path)
     return i;
 }
 
+bool cli_is_mesh(const char *path)
+{
+    return find_mesh_reader(path) < MESH_READERS;
+}
+
+kn_status cli_read_mesh(kn_ctx *ctx, kn_mesh *out, const char *path)
+{
+    return mesh_readers[find_mesh_reader(path)].read(ctx, out, path);
+}
+
 // ---- tiles ----
+
+// All faces, trimmed as they are; a trim that is the whole square is none.
+static kn_status read_cad_part(kn_ctx *ctx, kn_tile_part *part, const char *path)
+{
+    kn_cad cad = {0};
+    kn_status status = cli_read_cad(ctx, &cad, path);
+    size_t n = (size_t)cad.nfaces;
+    if (status == KN_OK) {
+        part->splines = kn_alloc_zero(ctx, n, sizeof *part->splines);
+        part->trims = kn_alloc_zero(ctx, n, sizeof *part->trims);
+        if (!part->splines || !part->trims) status = KN_ENOMEM;
+    }
+    for (int i = 0; status == KN_OK && i < cad.nfaces; i++) {
+        kn_cad_face *face = &cad.faces[i];
+        kn_spline_swap(&part->splines[i], &face->surface);
+        if (!face->whole) part->trims[i] = face->trim;
+        if (!face->whole) face->trim = (kn_trim){0};
+        part->nsplines++;
+    }
+    kn_cad_clear(ctx, &cad);
+    return status;
+}
 
 static kn_status read_part(kn_ctx *ctx, void *user, kn_tile_part *part, const char *path)
 {
     (void)user;
-    int mesh = find_mesh_reader(path);
-    if (mesh < MESH_READERS) return mesh_readers[mesh].read(ctx, &part->mesh, path);
+    if (cli_is_mesh(path)) return cli_read_mesh(ctx, &part->mesh, path);
+    if (cli_is_cad(path)) return read_cad_part(ctx, part, path);
     kn_model model = {0};
     kn_status status = kn_read_model(ctx, &model, path);
     part->splines = model.splines;
@@ -142,8 +174,7 @@ static kn_status read_part(kn_ctx *ctx, void *user, kn_tile_part *part, const ch
     return status;
 }
 
-// The file's name without its folder and ending, cut to what fits.
-static void name_of(char name[KN_NAME_BYTES], const char *path)
+void cli_name_of(char name[KN_NAME_BYTES], const char *path)
 {
     const char *base = strrchr(path, '/'), *end = strrchr(path, '.');
     base = base ? base + 1 : path;
@@ -156,7 +187,7 @@ static kn_status mesh_tile(kn_ctx *ctx, kn_tile *out, const char *path, const do
     static const double unit[4] = {0, 0, 1, 1};
     kn_tile tile = {0};
     char name[KN_NAME_BYTES];
-    name_of(name, path);
+    cli_name_of(name, path);
     kn_status status = kn_tile_init(ctx, &tile, name, 1);
     if (status != KN_OK) return status;
     snprintf(tile.about, sizeof tile.about, "from %.100s", path);
@@ -207,7 +238,7 @@ static int read_file(cli_session *session, kn_tile *out, const char *path, const
 {
     kn_ctx *ctx = cli_ctx(session);
     if (cli_has_ending(path, "json")) return read_description(session, out, path, cell, job);
-    kn_status status = find_mesh_reader(path) < MESH_READERS ? mesh_tile(ctx, out, path, cell)
+    kn_status status = cli_is_mesh(path) || cli_is_cad(path) ? mesh_tile(ctx, out, path, cell)
                                                              : kn_read_tile(ctx, out, path, cell);
     return status == KN_OK ? EXIT_OK : cli_fail_on(session, status, path, true);
 }

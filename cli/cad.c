@@ -1,0 +1,231 @@
+// SPDX-License-Identifier: Apache-2.0
+// STEP, IGES and BREP files: knurl-cad reads them, a program of its own, so that no broken file can crash or hang this
+// one, and what it makes of them comes through a pipe.
+#include "cli/cli.h"
+#include "kernel/context.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <poll.h>
+#include <signal.h>
+#include <spawn.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+extern char **environ;
+
+enum { PATH_BYTES = 4096, TEXT_BYTES = 16384, BLOCK_BYTES = 1 << 16, PATIENCE_MS = 50 };
+
+bool cli_is_cad(const char *path)
+{
+    static const char *const endings[] = {"step", "stp", "stpz", "iges", "igs", "igz", "brep"};
+    for (size_t i = 0; i < sizeof endings / sizeof *endings; i++)
+        if (cli_has_ending(path, endings[i])) return true;
+    return false;
+}
+
+// Beside knurl, or in libexec beside the folder that knurl lies in; else the shell's way.
+static void find_program(char out[PATH_BYTES])
+{
+    static const char *const places[] = {"knurl-cad", "../libexec/knurl/knurl-cad"};
+    const char *named = getenv("KNURL_CAD");
+    if (named && *named) {
+        snprintf(out, PATH_BYTES, "%s", named);
+        return;
+    }
+    char self[PATH_BYTES];
+    ssize_t n = readlink("/proc/self/exe", self, sizeof self - 1);
+    self[n > 0 ? n : 0] = '\0';
+    char *slash = strrchr(self, '/');
+    for (size_t i = 0; slash && i < sizeof places / sizeof *places; i++) {
+        int length = snprintf(out, PATH_BYTES, "%.*s%s", (int)(slash - self + 1), self, places[i]);
+        if (length < PATH_BYTES && access(out, X_OK) == 0) return;
+    }
+    snprintf(out, PATH_BYTES, "knurl-cad");
+}
+
+// A running knurl-cad: its two streams, and what came of them.
+typedef struct child {
+    pid_t pid;
+    int pipe[2]; // standard output, error; -1: closed
+    unsigned char *data;
+    size_t bytes, room, most;
+    char text[TEXT_BYTES]; // of standard error
+    size_t text_bytes;
+} child;
+
+static void shut(int *file)
+{
+    if (*file >= 0) close(*file);
+    *file = -1;
+}
+
+static kn_status start(kn_ctx *ctx, child *c, const char *const *arguments, const char *path)
+{
+    int out[2] = {-1, -1}, err[2] = {-1, -1};
+    char program[PATH_BYTES];
+    find_program(program);
+    if (pipe(out) != 0 || pipe(err) != 0) {
+        for (int i = 0; i < 2; i++) shut(&out[i]), shut(&err[i]);
+        return kn_fail(ctx, KN_EIO, "%s: no pipe: %s", path, strerror(errno));
+    }
+    for (int i = 0; i < 2; i++) { // nothing of them in the child but what is put in its place
+        fcntl(out[i], F_SETFD, FD_CLOEXEC);
+        fcntl(err[i], F_SETFD, FD_CLOEXEC);
+    }
+    posix_spawn_file_actions_t actions;
+    posix_spawnattr_t attributes;
+    sigset_t defaults;
+    sigemptyset(&defaults);
+    sigaddset(&defaults, SIGPIPE);
+    sigaddset(&defaults, SIGXFSZ);
+    posix_spawn_file_actions_init(&actions);
+    posix_spawn_file_actions_adddup2(&actions, out[1], STDOUT_FILENO);
+    posix_spawn_file_actions_adddup2(&actions, err[1], STDERR_FILENO);
+    posix_spawnattr_init(&attributes);
+    posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGDEF);
+    posix_spawnattr_setsigdefault(&attributes, &defaults);
+    int why = posix_spawnp(&c->pid, program, &actions, &attributes, (char *const *)arguments, environ);
+    posix_spawnattr_destroy(&attributes);
+    posix_spawn_file_actions_destroy(&actions);
+    shut(&out[1]), shut(&err[1]);
+    c->pipe[0] = out[0], c->pipe[1] = err[0];
+    if (why == 0) return KN_OK;
+    c->pid = 0;
+    return kn_fail(ctx, why == ENOENT ? KN_ENOTBUILT : KN_EIO,
+                   "%s: needs knurl-cad, which reads and writes CAD files with Open CASCADE: %s: %s", path, program,
+                   strerror(why));
+}
+
+static kn_status grow(kn_ctx *ctx, child *c, const char *path)
+{
+    if (c->room - c->bytes >= BLOCK_BYTES) return KN_OK;
+    size_t room = 2 * c->room + BLOCK_BYTES;
+    if (c->bytes > c->most) return kn_fail(ctx, KN_ELIMIT, "%s: makes more than %zu bytes of splines", path, c->most);
+    unsigned char *larger = kn_resize(ctx, c->data, room, 1);
+    if (!larger) return KN_ENOMEM;
+    c->data = larger;
+    c->room = room;
+    return KN_OK;
+}
+
+// What there is on one of the streams; the text of errors is kept as far as it fits.
+static kn_status take(kn_ctx *ctx, child *c, int stream, const char *path)
+{
+    char rest[1024];
+    kn_status status = stream == 0 ? grow(ctx, c, path) : KN_OK;
+    if (status != KN_OK) return status;
+    size_t left = sizeof c->text - 1 - c->text_bytes;
+    bool full = left == 0;
+    void *to = stream == 0 ? (void *)(c->data + c->bytes) : full ? (void *)rest : (void *)(c->text + c->text_bytes);
+    ssize_t n = read(c->pipe[stream], to, stream == 0 ? BLOCK_BYTES : full ? sizeof rest : left);
+    if (n < 0 && (errno == EINTR || errno == EAGAIN)) return KN_OK;
+    if (n <= 0)
+        shut(&c->pipe[stream]);
+    else if (stream == 0)
+        c->bytes += (size_t)n;
+    else if (!full)
+        c->text_bytes += (size_t)n;
+    return KN_OK;
+}
+
+static kn_status listen_to(kn_ctx *ctx, child *c, const char *path)
+{
+    kn_status status = KN_OK;
+    while (status == KN_OK && (c->pipe[0] >= 0 || c->pipe[1] >= 0)) {
+        struct pollfd polled[2] = {{.fd = c->pipe[0], .events = POLLIN}, {.fd = c->pipe[1], .events = POLLIN}};
+        int n = poll(polled, 2, PATIENCE_MS);
+        status = kn_progress(ctx, "read", 0.0);
+        for (int i = 0; i < 2 && n > 0 && status == KN_OK; i++)
+            if (polled[i].revents != 0) status = take(ctx, c, i, path);
+    }
+    return status;
+}
+
+// Lines of standard error: warnings go to the log, the last of the others is the message.
+static const char *last_line(kn_ctx *ctx, char *text)
+{
+    const char *message = "";
+    for (char *line = strtok(text, "\n"); line; line = strtok(NULL, "\n")) {
+        if (strncmp(line, "warning: ", 9) == 0)
+            kn_log(ctx, KN_LOG_WARNING, "%s", line + 9);
+        else
+            message = line;
+    }
+    return message;
+}
+
+static kn_status judge(kn_ctx *ctx, child *c, int how, const char *path)
+{
+    c->text[c->text_bytes] = '\0';
+    const char *message = last_line(ctx, c->text);
+    if (WIFEXITED(how) && WEXITSTATUS(how) == 0) return KN_OK;
+    if (WIFSIGNALED(how) && (WTERMSIG(how) == SIGXCPU || WTERMSIG(how) == SIGKILL))
+        return kn_fail(ctx, KN_EPARSE, "%s: the reader was ended: it took too long, or too much memory", path);
+    if (WIFSIGNALED(how))
+        return kn_fail(ctx, KN_EPARSE, "%s: the reader crashed on it (signal %d)", path, WTERMSIG(how));
+    kn_status status = WEXITSTATUS(how) == EXIT_BAD_INPUT ? KN_EPARSE : KN_EIO;
+    if (*message) return kn_fail(ctx, status, "%s", message);
+    return kn_fail(ctx, status, "%s: the reader gave up on it", path);
+}
+
+kn_status cli_run_cad(kn_ctx *ctx, unsigned char **data, size_t *bytes, const char *const *arguments,
+                      const char *path)
+{
+    struct stat file;
+    if (stat(path, &file) != 0) return kn_fail(ctx, KN_EIO, "%s: cannot open: %s", path, strerror(errno));
+    child *c = kn_alloc_zero(ctx, 1, sizeof *c);
+    if (!c) return KN_ENOMEM;
+    c->pipe[0] = c->pipe[1] = -1;
+    c->most = ((size_t)256 << 20) + 64 * (size_t)(file.st_size > 0 ? file.st_size : 0);
+    kn_status status = start(ctx, c, arguments, path);
+    if (status == KN_OK) status = listen_to(ctx, c, path);
+    if (c->pid > 0) {
+        int how = 0;
+        if (status != KN_OK) kill(c->pid, SIGKILL);
+        while (waitpid(c->pid, &how, 0) < 0 && errno == EINTR) {
+        }
+        if (status == KN_OK) status = kn_progress(ctx, "read", 1.0); // Ctrl-C may have ended it, too
+        if (status == KN_OK) status = judge(ctx, c, how, path);
+    }
+    for (int i = 0; i < 2; i++) shut(&c->pipe[i]);
+    if (status == KN_OK) {
+        *data = c->data;
+        *bytes = c->bytes;
+        c->data = NULL;
+    }
+    kn_free(ctx, c->data);
+    kn_free(ctx, c);
+    return status;
+}
+
+kn_status cli_read_cad(kn_ctx *ctx, kn_cad *out, const char *path)
+{
+    const char *const arguments[] = {"knurl-cad", "read", path, NULL};
+    unsigned char *data = NULL;
+    size_t bytes = 0;
+    kn_status status = cli_run_cad(ctx, &data, &bytes, arguments, path);
+    if (status == KN_OK) status = kn_cad_parse(ctx, out, path, data, bytes);
+    kn_free(ctx, data);
+    return status;
+}
+
+kn_status cli_read_model(kn_ctx *ctx, kn_model *out, const char *path)
+{
+    if (!cli_is_cad(path)) return kn_read_model(ctx, out, path);
+    kn_cad cad = {0};
+    kn_status status = cli_read_cad(ctx, &cad, path);
+    kn_spline *splines = status == KN_OK ? kn_alloc_zero(ctx, (size_t)cad.nfaces, sizeof *splines) : NULL;
+    if (splines) {
+        for (int i = 0; i < cad.nfaces; i++) kn_spline_swap(&splines[i], &cad.faces[i].surface);
+        kn_model_clear(ctx, out);
+        *out = (kn_model){.splines = splines, .nsplines = cad.nfaces};
+    } else if (status == KN_OK) {
+        status = KN_ENOMEM;
+    }
+    kn_cad_clear(ctx, &cad);
+    return status;
+}
