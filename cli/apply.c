@@ -111,18 +111,25 @@ static kn_status run_jobs(kn_ctx *ctx, const cli_apply *a, const cli_plan *plan,
 }
 
 // Opens the sinks, runs the jobs, closes them all whatever happened.
-static kn_status run(kn_ctx *ctx, const cli_apply *a, const cli_plan *plan, double *bytes)
+static kn_status run(kn_ctx *ctx, const cli_apply *a, const cli_plan *plan, cli_fit *fit, double *bytes)
 {
-    kn_sink sinks[CLI_MAX_OUTPUTS];
+    kn_sink opened[CLI_MAX_OUTPUTS];
+    bool cad[CLI_MAX_OUTPUTS];
     int open = 0;
     kn_status status = KN_OK;
-    for (; open < a->recipe.noutputs && status == KN_OK; open += status == KN_OK)
-        status = cli_open_sink(ctx, &sinks[open], a->recipe.outputs[open], a->recipe.layer[0].unit_mm);
-    if (status == KN_OK) status = run_jobs(ctx, a, plan, sinks, open);
-    for (int i = 0; i < open; i++) {
-        bytes[i] = sinks[i].bytes ? (double)sinks[i].bytes(sinks[i].user) : 0.0;
-        kn_sink_close(ctx, &sinks[i]);
+    for (; open < a->recipe.noutputs && status == KN_OK; open += status == KN_OK) {
+        cad[open] = cli_writes_cad(a->recipe.outputs[open]);
+        status = cli_open_sink(ctx, &opened[open], a->recipe.outputs[open],
+                               &(cli_output_options){.unit_mm = a->recipe.layer[0].unit_mm});
     }
+    if (status == KN_OK) status = cli_fit_sinks(ctx, fit, opened, cad, open, &a->recipe.layer[0]);
+    bool fitted = status == KN_OK;
+    if (fitted) status = run_jobs(ctx, a, plan, fit->sinks, fit->nsinks);
+    for (int i = 0; i < open; i++) {
+        bytes[i] = opened[i].bytes ? (double)opened[i].bytes(opened[i].user) : 0.0;
+        if (!fitted) kn_sink_close(ctx, &opened[i]);
+    }
+    for (int i = 0; i < fit->nsinks && fitted; i++) kn_sink_close(ctx, &fit->sinks[i]);
     return status;
 }
 
@@ -139,9 +146,11 @@ static void warn_of_size(cli_session *session, const cli_apply *a, const char *p
 }
 
 // What is beyond a receiver's degree it leaves out, often without a word.
-static void warn_of_degree(cli_session *session, const char *path, const kn_job_report *report)
+static void warn_of_degree(cli_session *session, const cli_apply *a, const char *path, const kn_job_report *report)
 {
     int degree = report->degree[0] > report->degree[1] ? report->degree[0] : report->degree[1];
+    int most = cli_limits_of(&a->recipe.layer[0]).max_degree;
+    if (degree > most) degree = most;
     if (degree > 25)
         cli_warn(session,
                  "%s: faces of degree up to %d: OCCT reads none above 25, CATIA none above 15, VDA-FS none above 11 "
@@ -154,7 +163,7 @@ static void warn_of_receivers(cli_session *session, const cli_apply *a, const kn
     for (int i = 0; i < a->recipe.noutputs; i++)
         if (cli_has_ending(a->recipe.outputs[i], "step") || cli_has_ending(a->recipe.outputs[i], "stp")) {
             warn_of_size(session, a, a->recipe.outputs[i], report);
-            warn_of_degree(session, a->recipe.outputs[i], report);
+            warn_of_degree(session, a, a->recipe.outputs[i], report);
             return;
         }
 }
@@ -180,22 +189,32 @@ static void warn_of_curves(cli_session *session, const cli_apply *a, const kn_jo
     }
 }
 
+// What the files will be, before anything is written.
+static kn_status estimate(kn_ctx *ctx, const cli_apply *a, const cli_plan *plan, cli_fit *fit, double *bytes)
+{
+    kn_job_report limited = plan->report;
+    bool cad = a->recipe.noutputs == 0;
+    for (int i = 0; i < a->recipe.noutputs; i++) cad = cad || cli_writes_cad(a->recipe.outputs[i]);
+    kn_status status = cad ? cli_estimate_fit(ctx, fit, plan, &a->recipe.layer[0]) : KN_OK;
+    if (status == KN_OK && fit->sum.limited > 0) limited.control_points = fit->sum.control_points;
+    for (int i = 0; i < a->recipe.noutputs && status == KN_OK; i++)
+        bytes[i] = cli_estimate_bytes(a->recipe.outputs[i],
+                                      cli_writes_cad(a->recipe.outputs[i]) ? &limited : &plan->report);
+    return status;
+}
+
 static int apply(cli_session *session, cli_apply *a, const cli_plan *plan, cli_timing *timing)
 {
     kn_ctx *ctx = cli_ctx(session);
     double bytes[CLI_MAX_OUTPUTS], began = cli_seconds();
-    kn_status status = KN_OK;
+    cli_fit fit = {.options = cli_limits_of(&a->recipe.layer[0])};
     warn_of_receivers(session, a, &plan->report);
     warn_of_curves(session, a, &plan->report);
-    if (a->dry_run)
-        for (int i = 0; i < a->recipe.noutputs; i++)
-            bytes[i] = cli_estimate_bytes(a->recipe.outputs[i], &plan->report);
-    else
-        status = run(ctx, a, plan, bytes);
+    kn_status status = a->dry_run ? estimate(ctx, a, plan, &fit, bytes) : run(ctx, a, plan, &fit, bytes);
     timing->run = cli_seconds() - began;
     if (status != KN_OK) return fail_on_run(session, status, a);
     if (plan->report.cells == 0) cli_warn(session, "%s: no cell is left of the texture", a->recipe.layer[0].base);
-    cli_print_apply(a, plan, bytes, timing, kn_ctx_counters(ctx).peak_bytes);
+    cli_print_apply(a, plan, &fit, bytes, timing, kn_ctx_counters(ctx).peak_bytes);
     return EXIT_OK;
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The shells that `knurl check` looks at, and where each of them folds.
 #include "cli/check.h"
+#include "cli/plan.h"
 #include "kernel/parallel.h"
 
 #include <math.h>
@@ -107,7 +108,7 @@ static kn_status make_task(kn_ctx *ctx, void *user, size_t index)
 
 static kn_status take_plan(kn_ctx *ctx, check *c)
 {
-    kn_status status = kn_job_create(ctx, &c->plan, c->base.surfaces, c->base.nsurfaces, &c->tile, &c->job.options);
+    kn_status status = cli_create_job(ctx, &c->plan, c->base.surfaces, c->base.nsurfaces, &c->tile, &c->job);
     if (status != KN_OK) return status;
     kn_job_report report = kn_job_describe(c->plan);
     c->job.options.height = report.height;

@@ -2,10 +2,6 @@
 // Options of exactness, for all layers: normals, degrees, tolerances, the unit, and tiles that cross knot lines.
 #include "cli/cli.h"
 
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 enum { NORMAL, NORMAL_TOL, MAX_DEGREE, TOL, CELLS_TOL, CROSSING, CROSSING_TOL, UNIT, OPTIONS };
 static const cli_option options[OPTIONS] = {
     [NORMAL] = {"normal", 0, CLI_TEXT},
@@ -17,28 +13,6 @@ static const cli_option options[OPTIONS] = {
     [CROSSING_TOL] = {"crossing-tol", 0, CLI_TEXT},
     [UNIT] = {"unit", 0, CLI_TEXT},
 };
-
-static bool set_max_degree(const char *name, const char *text, kn_job_options *job)
-{
-    static const struct {
-        const char *profile;
-        int degree;
-    } profiles[] = {{"occt", 25}, {"catia", 15}, {"vda", 11}, {"cubic", 3}, {"exact", KN_MAX_DEGREE}};
-    for (size_t i = 0; i < sizeof profiles / sizeof *profiles; i++)
-        if (strcmp(text, profiles[i].profile) == 0) {
-            job->max_degree = profiles[i].degree;
-            return true;
-        }
-    char *end;
-    double degree = strtod(text, &end);
-    if (end != text && *end == '\0' && degree == floor(degree) && degree >= 1 && degree <= KN_MAX_DEGREE) {
-        job->max_degree = (int)degree;
-        return true;
-    }
-    cli_error("%s: expected a number from 1 to %d, or occt (25), catia (15), vda (11), cubic (3) or exact, got '%s'",
-              name, KN_MAX_DEGREE, text);
-    return false;
-}
 
 static bool set_normal(const char *name, const char *text, kn_job_options *job)
 {
@@ -64,7 +38,10 @@ static bool set(cli_job *job, const char *name, int option, const char *text)
     switch (option) {
     case NORMAL: return set_normal(name, text, o);
     case NORMAL_TOL: return cli_double(name, text, &o->normal_tol) && cli_above_zero(name, o->normal_tol);
-    case MAX_DEGREE: return set_max_degree(name, text, o);
+    case MAX_DEGREE:
+        if (!cli_set_max_degree(name, text, &job->max_degree)) return false;
+        o->max_degree = job->max_degree > 25 ? job->max_degree : 0; // what is composed may be limited later
+        return true;
     case TOL: return cli_positive_length(name, text, &job->mesh_tol);
     case CELLS_TOL: return cli_positive_length(name, text, &job->cells_tol);
     case CROSSING: return set_crossing(name, text, o);

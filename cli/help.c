@@ -23,6 +23,7 @@ static const char overview[] =
     "  info     say what is in a file\n"
     "  eval     evaluate a spline, or the shell over a surface\n"
     "  render   make a picture\n"
+    "  convert  write a model as another kind of file\n"
     "  animate  a texture that changes with time\n"
     "\n"
     "'knurl COMMAND --help' says more; 'knurl --version' says which this is.\n"
@@ -220,6 +221,25 @@ static const char render[] = "knurl render IN -o OUT.png\n"
                              "  -j, --threads N            the picture does not depend on it\n"
                              "  -q, --quiet                no progress\n";
 
+static const char convert[] =
+    "knurl convert IN -o OUT [-o OUT ..] [options]\n"
+    "\n"
+    "  knurl convert vase.g2 -o vase.step\n"
+    "  knurl convert teapot.bpt --max-degree cubic --tol 0.01mm -o teapot.itd -o teapot.vtu\n"
+    "\n"
+    "IN is a .bpt, .g2 or .itd file, or a mesh (.obj .stl .ply .off .3mf .glb). Splines go out as they are; in STEP\n"
+    "and IGES files each becomes one face, cut where it has kinks.\n"
+    "\n"
+    "  -o, --output OUT        the ending picks the writer, as in apply; may be given many times\n"
+    "      --max-degree N|occt|catia|vda|cubic|exact   splines of a higher degree, piece by piece, become others\n"
+    "                          within --tol, certified (default: exact)\n"
+    "      --tol L             of those, and of triangles (default 0.01mm; triangles a thousandth of the size)\n"
+    "      --unit mm|cm|m|in   unit of IN where its format has none (default mm)\n"
+    "      --obj-surfaces      curves and surfaces in .obj files, not triangles\n"
+    "      --json              one JSON object on standard output\n"
+    "  -j, --threads N         default: all processors\n"
+    "  -q, --quiet             no progress, no report\n";
+
 static const char animate[] =
     "knurl animate BASE|RECIPE --tile TILE --vary NAME=VALUE .. -o OUT.glb|OUT.png|OUT.mp4\n"
     "\n"
@@ -239,8 +259,9 @@ int cli_help(FILE *to, const char *command)
 {
     static const struct {
         const char *name, *text;
-    } texts[] = {{"apply", apply}, {"check", check},   {"slice", slice},     {"tiles", tiles},        {"info", info},
-                 {"eval", eval},   {"render", render}, {"animate", animate}, {"placement", placement}};
+    } texts[] = {{"apply", apply},     {"check", check},        {"slice", slice},   {"tiles", tiles},
+                 {"info", info},       {"eval", eval},          {"render", render}, {"animate", animate},
+                 {"convert", convert}, {"placement", placement}};
     if (!command) return fputs(overview, to) < 0 ? EXIT_FAILED : EXIT_OK;
     for (size_t i = 0; i < sizeof texts / sizeof *texts; i++)
         if (strcmp(command, texts[i].name) == 0) return fputs(texts[i].text, to) < 0 ? EXIT_FAILED : EXIT_OK;

@@ -15,7 +15,7 @@ typedef struct command {
 static const command commands[] = {
     {"apply", cli_command_apply}, {"tiles", cli_command_tiles},     {"info", cli_command_info},
     {"eval", cli_command_eval},   {"render", cli_command_render},   {"check", cli_command_check},
-    {"slice", cli_command_slice}, {"animate", cli_command_animate},
+    {"slice", cli_command_slice}, {"animate", cli_command_animate}, {"convert", cli_command_convert},
 };
 enum { NCOMMANDS = sizeof commands / sizeof *commands };
 

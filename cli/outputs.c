@@ -8,43 +8,69 @@
 #include "bridges/tinygltf/gltf.h"
 #endif
 
-// Bytes per control point of STEP text and per triangle of the others, and per patch and file: measured on the
-// built-in tiles; good to a quarter.
+// What a file takes for each control point, each control point of a volume's outside included, patch and triangle, and
+// itself: measured on the built-in tiles; good to a quarter.
 typedef struct writer {
     const char *ending;
-    kn_status (*open)(kn_ctx *ctx, kn_sink *out, const char *path, double unit_mm);
+    kn_status (*open)(kn_ctx *ctx, kn_sink *out, const char *path, const cli_output_options *o);
     double per_point, per_patch, per_triangle, per_file;
+    bool cad; // wants faces that are C1 inside
 } writer;
 
-static kn_status open_step(kn_ctx *ctx, kn_sink *out, const char *path, double unit_mm)
+static kn_status open_step(kn_ctx *ctx, kn_sink *out, const char *path, const cli_output_options *o)
 {
-    return kn_step_sink(ctx, out, path, &(kn_step_options){.unit_mm = unit_mm});
+    return kn_step_sink(ctx, out, path, &(kn_step_options){.unit_mm = o->unit_mm});
 }
 
-static kn_status open_stl(kn_ctx *ctx, kn_sink *out, const char *path, double unit_mm)
+static kn_status open_iges(kn_ctx *ctx, kn_sink *out, const char *path, const cli_output_options *o)
 {
-    (void)unit_mm; // the format has no unit
+    return kn_iges_sink(ctx, out, path, &(kn_iges_options){.unit_mm = o->unit_mm});
+}
+
+static kn_status open_stl(kn_ctx *ctx, kn_sink *out, const char *path, const cli_output_options *o)
+{
+    (void)o; // the format has no unit
     return kn_stl_sink(ctx, out, path);
 }
 
-static kn_status open_obj(kn_ctx *ctx, kn_sink *out, const char *path, double unit_mm)
+static kn_status open_obj(kn_ctx *ctx, kn_sink *out, const char *path, const cli_output_options *o)
 {
-    (void)unit_mm;
-    return kn_obj_sink(ctx, out, path);
+    return o->obj_surfaces ? kn_obj_surfaces_sink(ctx, out, path) : kn_obj_sink(ctx, out, path);
+}
+
+static kn_status open_g2(kn_ctx *ctx, kn_sink *out, const char *path, const cli_output_options *o)
+{
+    (void)o;
+    return kn_g2_sink(ctx, out, path);
+}
+
+static kn_status open_itd(kn_ctx *ctx, kn_sink *out, const char *path, const cli_output_options *o)
+{
+    (void)o;
+    return kn_itd_sink(ctx, out, path);
+}
+
+static kn_status open_vtu(kn_ctx *ctx, kn_sink *out, const char *path, const cli_output_options *o)
+{
+    (void)o;
+    return kn_vtu_sink(ctx, out, path);
 }
 
 #if KN_WITH_TINYGLTF
-static kn_status open_gltf(kn_ctx *ctx, kn_sink *out, const char *path, double unit_mm)
+static kn_status open_gltf(kn_ctx *ctx, kn_sink *out, const char *path, const cli_output_options *o)
 {
-    return kn_gltf_sink(ctx, out, path, &(kn_gltf_options){.unit_mm = unit_mm});
+    return kn_gltf_sink(ctx, out, path, &(kn_gltf_options){.unit_mm = o->unit_mm});
 }
 #endif
 
 static const writer writers[] = {
-    {"step", open_step, 100, 1500, 0, 4000}, {"stp", open_step, 100, 1500, 0, 4000},
-    {"stl", open_stl, 0, 0, 50, 84},         {"obj", open_obj, 0, 0, 75, 500},
+    {"step", open_step, 100, 1500, 0, 4000, true}, {"stp", open_step, 100, 1500, 0, 4000, true},
+    {"igs", open_iges, 100, 2500, 0, 500, true},   {"iges", open_iges, 100, 2500, 0, 500, true},
+    {"g2", open_g2, 58, 90, 0, 0, false},          {"itd", open_itd, 62, 70, 0, 20, false},
+    {"vtu", open_vtu, 50, 90, 0, 1500, false},
+    {"stl", open_stl, 0, 0, 50, 84, false},        {"obj", open_obj, 0, 0, 75, 500, false},
 #if KN_WITH_TINYGLTF
-    {"glb", open_gltf, 0, 0, 26, 2000},      {"gltf", open_gltf, 0, 0, 35, 3000},
+    {"glb", open_gltf, 0, 0, 26, 2000, false},     {"gltf", open_gltf, 0, 0, 35, 3000, false},
 #endif
 };
 
@@ -60,18 +86,23 @@ bool cli_can_write(const char *path)
     return find(path) != NULL;
 }
 
+bool cli_writes_cad(const char *path)
+{
+    return find(path)->cad;
+}
+
 const char *cli_writable_endings(void)
 {
 #if KN_WITH_TINYGLTF
-    return ".step .stp .stl .obj .glb .gltf";
+    return ".step .stp .igs .iges .g2 .itd .vtu .stl .obj .glb .gltf";
 #else
-    return ".step .stp .stl .obj (built without tinygltf: no .glb)";
+    return ".step .stp .igs .iges .g2 .itd .vtu .stl .obj (built without tinygltf: no .glb)";
 #endif
 }
 
-kn_status cli_open_sink(kn_ctx *ctx, kn_sink *out, const char *path, double unit_mm)
+kn_status cli_open_sink(kn_ctx *ctx, kn_sink *out, const char *path, const cli_output_options *o)
 {
-    return find(path)->open(ctx, out, path, unit_mm);
+    return find(path)->open(ctx, out, path, o);
 }
 
 double cli_estimate_bytes(const char *path, const kn_job_report *r)

@@ -30,8 +30,7 @@ static int plan_layer(cli_session *session, cli_plan *plan, const cli_recipe *re
         surfaces = plan->collected[layer->on - 1].splines;
         n = plan->collected[layer->on - 1].nsplines;
     }
-    kn_status status = kn_job_create(cli_ctx(session), &plan->jobs[i], surfaces, n, &inputs->tile[i],
-                                     &layer->options);
+    kn_status status = cli_create_job(cli_ctx(session), &plan->jobs[i], surfaces, n, &inputs->tile[i], layer);
     if (status != KN_OK && layer->on > 0)
         return cli_fail_at(session, status, "%s: layer %d, on layer %d: %s", layer->base, i + 1, layer->on,
                            kn_ctx_message(cli_ctx(session)));

@@ -20,4 +20,24 @@ typedef struct cli_plan {
 int cli_plan_begin(cli_session *session, cli_plan *plan, const cli_recipe *recipe, const cli_inputs *inputs);
 void cli_plan_end(cli_session *session, cli_plan *plan);
 
+// ---- cli/limits.c ----
+// kn_job_create; where the degrees of the layer leave no room, with all that there are: CAD files are limited later.
+kn_status cli_create_job(kn_ctx *ctx, kn_job **out, const kn_spline *surfaces, int n, const kn_tile *tile,
+                         const cli_job *layer);
+// Sinks of a run, with those of CAD files behind one that limits degrees, and what became of that.
+typedef struct cli_fit {
+    kn_sink sinks[CLI_MAX_OUTPUTS];
+    int nsinks;
+    kn_limit_options options;
+    kn_limit_summary sum;
+    bool known, estimated;
+} cli_fit;
+// in:     opened: n sinks, fit's on success; cad[i]: whether it is one of a CAD file. The fit stays where it is until
+//         they are closed.
+kn_status cli_fit_sinks(kn_ctx *ctx, cli_fit *fit, const kn_sink *opened, const bool *cad, int n, const cli_job *job);
+// The same as an estimate, from a few cells of each layer that is written.
+kn_status cli_estimate_fit(kn_ctx *ctx, cli_fit *fit, const cli_plan *plan, const cli_job *job);
+struct json_t *cli_fit_json(const cli_fit *fit);
+void cli_print_fit(const cli_fit *fit);
+
 #endif

@@ -119,11 +119,11 @@ static json_t *layers_json(const cli_apply *a, const cli_plan *plan)
     return array;
 }
 
-static void print_json(const cli_apply *a, const cli_plan *plan, const double *bytes, const cli_timing *t,
-                       size_t peak_bytes)
+static void print_json(const cli_apply *a, const cli_plan *plan, const cli_fit *fit, const double *bytes,
+                       const cli_timing *t, size_t peak_bytes)
 {
     const kn_job_report *r = &plan->report;
-    // fit.tolerance: a stand-in and n may each be off by the tolerance in length and in angle, at the tile's height.
+    // stand_in.tolerance: a stand-in and n may each be off by it in length and in angle, at the tile's height.
     json_t *o = json_object();
     json_object_set_new(o, "base", cli_json_text(a->recipe.layer[0].base));
     json_object_set_new(o, "tile", cli_json_text(a->recipe.layer[0].tile));
@@ -144,10 +144,10 @@ static void print_json(const cli_apply *a, const cli_plan *plan, const double *b
     json_object_set_new(o, "cell_size", cli_json_number(r->cell_size));
     json_object_set_new(o, "height", cli_json_number(r->height));
     json_object_set_new(o, "normal", normal_json(&a->recipe.layer[0].options, r));
-    json_object_set_new(o, "fit",
-                        json_pack("{s:i,s:o,s:o}", "max_degree", r->max_degree, "tolerance",
-                                  cli_json_number(4 * r->normal_tol * fabs(r->height)), "certified_error",
-                                  cli_json_upper(r->stand_in_error)));
+    json_object_set_new(o, "stand_in",
+                        json_pack("{s:o,s:o}", "tolerance", cli_json_number(4 * r->normal_tol * fabs(r->height)),
+                                  "certified_error", cli_json_upper(r->stand_in_error)));
+    json_object_set_new(o, "fit", cli_fit_json(fit));
     json_object_set_new(o, "crossing_error", cli_json_upper(r->crossing_error));
     json_object_set_new(o, "jacobian",
                         json_pack("{s:o,s:o,s:b}", "min", cli_json_lower(r->jacobian_lo), "max",
@@ -168,7 +168,8 @@ static void print_json(const cli_apply *a, const cli_plan *plan, const double *b
     json_decref(o);
 }
 
-static void print_text(const cli_apply *a, const kn_job_report *r, const double *bytes, const cli_timing *t)
+static void print_text(const cli_apply *a, const kn_job_report *r, const cli_fit *fit, const double *bytes,
+                       const cli_timing *t)
 {
     printf("%zu cells of about %.3g, height %.3g, on %d surface%s\n", r->cells, r->cell_size, r->height, r->nsurfaces,
            r->nsurfaces == 1 ? "" : "s");
@@ -201,6 +202,7 @@ static void print_text(const cli_apply *a, const kn_job_report *r, const double 
     else
         printf("%zu patches exact, %zu within %.1e (certified)\n", r->exact_patches, r->patches - r->exact_patches,
                cli_outward(r->stand_in_error, 1, CLI_TEXT_DIGITS));
+    cli_print_fit(fit);
     if (!(r->jacobian_lo > 0))
         printf("the shell is not certified free of folds and poles (Jacobian >= %.2g)\n",
                cli_outward(r->jacobian_lo, -1, CLI_TEXT_DIGITS));
@@ -209,11 +211,11 @@ static void print_text(const cli_apply *a, const kn_job_report *r, const double 
     printf("%.2f s\n", t->read + t->plan + t->run);
 }
 
-void cli_print_apply(const cli_apply *apply, const cli_plan *plan, const double *bytes, const cli_timing *timing,
-                     size_t peak_bytes)
+void cli_print_apply(const cli_apply *apply, const cli_plan *plan, const cli_fit *fit, const double *bytes,
+                     const cli_timing *timing, size_t peak_bytes)
 {
     if (apply->recipe.layer[0].json)
-        print_json(apply, plan, bytes, timing, peak_bytes);
+        print_json(apply, plan, fit, bytes, timing, peak_bytes);
     else if (!apply->recipe.layer[0].quiet)
-        print_text(apply, &plan->report, bytes, timing);
+        print_text(apply, &plan->report, fit, bytes, timing);
 }
