@@ -4,6 +4,8 @@
 
 #include <knurl/fit.h>
 
+#include <string.h>
+
 // A shape whose arrays have exactly the sizes that the calls are told; absurd numbers come with empty arrays.
 typedef struct grid {
     int nvars, dim, degree[KN_MAX_VARS], count[KN_MAX_VARS], nsites[KN_MAX_VARS];
@@ -108,14 +110,40 @@ static kn_status vectors(feed *f, int call)
     }
 }
 
+// Pieces of up to three variables, their edges too; few halvings, for the fuzzer's patience.
+static kn_status limits(feed *f, kn_spline *out)
+{
+    bool rational = feed_byte(f) % 3 == 0;
+    kn_bezier a = {.nvars = feed_int(f, 1, 3), .ncomp = feed_int(f, 1, 3) + rational, .rational = rational};
+    size_t n = (size_t)a.ncomp;
+    for (int d = 0; d < a.nvars; d++) {
+        a.degree[d] = feed_int(f, 0, a.nvars < 3 ? 9 : 5);
+        n *= (size_t)a.degree[d] + 1;
+    }
+    a.coef = feed_room(f, n);
+    memcpy(a.coef, feed_numbers(f, n), n * sizeof *a.coef);
+    for (size_t i = n - n / (size_t)a.ncomp; rational && i < n; i++) a.coef[i] = fabs(a.coef[i]);
+    kn_fit_limits l = {.max_degree = feed_wild(f, 3, 6), .degree = feed_wild(f, 0, 4)};
+    l.tolerance = feed_number(f), l.max_level = feed_int(f, 1, a.nvars < 3 ? 3 : 1);
+    if (feed_byte(f) % 2) l.quantum = ldexp(1.0, -feed_int(f, 0, 60));
+    kn_spline edges[4] = {{0}, {0}, {0}, {0}};
+    kn_fit_limited report;
+    bool with_edges = feed_byte(f) % 2;
+    kn_status status = kn_fit_limit_degree(f->ctx, out, with_edges ? edges : NULL, &report, &a, &l);
+    if (status == KN_OK && !(report.error <= l.tolerance)) abort();
+    for (int e = 0; e < 4; e++) kn_spline_clear(f->ctx, &edges[e]);
+    return status;
+}
+
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
     feed f = feed_begin(data, size);
     kn_spline out = {0};
-    int call = feed_byte(&f) % 10;
-    kn_status status = call < 3   ? fits(&f, call, &out)
-                       : call < 5 ? functions(&f, call - 3, &out)
-                                  : vectors(&f, call - 5);
+    int call = feed_byte(&f) % 11;
+    kn_status status = call < 3    ? fits(&f, call, &out)
+                       : call < 5  ? functions(&f, call - 3, &out)
+                       : call < 10 ? vectors(&f, call - 5)
+                                   : limits(&f, &out);
     if ((status == KN_OK) != (kn_ctx_error(f.ctx) == KN_OK) && status != KN_EUNDEFINED) abort();
     kn_spline_clear(f.ctx, &out);
     feed_end(&f);
