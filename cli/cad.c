@@ -63,7 +63,7 @@ static void shut(int *file)
     *file = -1;
 }
 
-static kn_status start(kn_ctx *ctx, child *c, const char *const *arguments, const char *path)
+static kn_status start(kn_ctx *ctx, child *c, const char *const *arguments, const char *path, FILE *input)
 {
     int out[2] = {-1, -1}, err[2] = {-1, -1};
     char program[PATH_BYTES];
@@ -83,6 +83,7 @@ static kn_status start(kn_ctx *ctx, child *c, const char *const *arguments, cons
     sigaddset(&defaults, SIGPIPE);
     sigaddset(&defaults, SIGXFSZ);
     posix_spawn_file_actions_init(&actions);
+    if (input) posix_spawn_file_actions_adddup2(&actions, fileno(input), STDIN_FILENO);
     posix_spawn_file_actions_adddup2(&actions, out[1], STDOUT_FILENO);
     posix_spawn_file_actions_adddup2(&actions, err[1], STDERR_FILENO);
     posix_spawnattr_init(&attributes);
@@ -173,7 +174,7 @@ static kn_status judge(kn_ctx *ctx, child *c, int how, const char *path)
 }
 
 kn_status cli_run_cad(kn_ctx *ctx, unsigned char **data, size_t *bytes, const char *const *arguments,
-                      const char *path)
+                      const char *path, FILE *input)
 {
     struct stat file;
     if (stat(path, &file) != 0) return kn_fail(ctx, KN_EIO, "%s: cannot open: %s", path, strerror(errno));
@@ -181,7 +182,7 @@ kn_status cli_run_cad(kn_ctx *ctx, unsigned char **data, size_t *bytes, const ch
     if (!c) return KN_ENOMEM;
     c->pipe[0] = c->pipe[1] = -1;
     c->most = ((size_t)256 << 20) + 64 * (size_t)(file.st_size > 0 ? file.st_size : 0);
-    kn_status status = start(ctx, c, arguments, path);
+    kn_status status = start(ctx, c, arguments, path, input);
     if (status == KN_OK) status = listen_to(ctx, c, path);
     if (c->pid > 0) {
         int how = 0;
@@ -207,7 +208,7 @@ kn_status cli_read_cad(kn_ctx *ctx, kn_cad *out, const char *path)
     const char *const arguments[] = {"knurl-cad", "read", path, NULL};
     unsigned char *data = NULL;
     size_t bytes = 0;
-    kn_status status = cli_run_cad(ctx, &data, &bytes, arguments, path);
+    kn_status status = cli_run_cad(ctx, &data, &bytes, arguments, path, NULL);
     if (status == KN_OK) status = kn_cad_parse(ctx, out, path, data, bytes);
     kn_free(ctx, data);
     return status;

@@ -168,7 +168,7 @@ static int examine(cli_session *session, check *c)
     if (code == EXIT_OK && c->job.tile) code = cli_read_job_tile(session, &c->tile, &c->job);
     if (code == EXIT_OK) code = cli_job_begin(session, &c->job);
     if (code == EXIT_OK) code = cli_read_base(session, &c->base, c->job.base, true);
-    if (code == EXIT_OK) code = cli_choose_faces(session, &c->job, &c->base);
+    if (code == EXIT_OK) code = cli_choose_faces(session, &c->job, 1, &c->base);
     if (code == EXIT_OK) code = check_height(c);
     if (code == EXIT_OK) code = check_make_shells(session, c);
     if (code == EXIT_OK) {

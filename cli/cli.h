@@ -98,17 +98,19 @@ typedef struct cli_base {
     kn_spline *surfaces;
     int nsurfaces;
     const char *path;
-    kn_cad cad;     // of a CAD file, whose face i is surface i; else empty
-    kn_trim *trims; // of its surfaces, empty where a face is whole; NULL: all are
+    kn_cad cad;     // of a CAD file; else empty
+    int *face;      // of the model, that each surface is
+    kn_trim *trims; // of the surfaces, empty where a face is whole; NULL: all are
 } cli_base;
 int cli_read_base(cli_session *session, cli_base *out, const char *path, bool volumes); // exit code
 void cli_base_clear(cli_session *session, cli_base *base);
 // STEP, IGES and BREP, by the ending.
 bool cli_is_cad(const char *path);
 // Runs knurl-cad with arguments[0 ..] up to NULL; what it writes on standard output goes to *data, for kn_free, its
-// warnings to the log, and what it says of a failure becomes the message. path: the file that it reads.
+// warnings to the log, and what it says of a failure becomes the message. path: the file that it reads. input: what it
+// finds on standard input; NULL: what knurl does.
 kn_status cli_run_cad(kn_ctx *ctx, unsigned char **data, size_t *bytes, const char *const *arguments,
-                      const char *path);
+                      const char *path, FILE *input);
 kn_status cli_read_cad(kn_ctx *ctx, kn_cad *out, const char *path);
 // kn_read_model, and of CAD files the surfaces of all faces, whole.
 kn_status cli_read_model(kn_ctx *ctx, kn_model *out, const char *path);
@@ -210,7 +212,7 @@ typedef struct cli_job {
     uint64_t given[CLI_THEMES]; // bit i of theme t: its option i was given
     int faces[CLI_MAX_FACES], nfaces, nvary;
     const char *face_text[CLI_MAX_FACE_TEXTS]; // that a CAD file is to be asked for
-    int *chosen, nchosen, nface_texts;         // chosen: all of them, once cli_choose_faces has found them
+    int *chosen, nface_texts;                  // chosen: surfaces, once cli_choose_faces has found them
     int max_degree; // of faces in CAD files; 0: 25
     int on; // the layer that is its base, counted from 1; 0: the recipe's base
     int threads;
@@ -234,9 +236,9 @@ bool cli_job_was_given(const cli_job *job, int option);
 // is until cli_job_end.
 int cli_job_begin(cli_session *session, cli_job *job);
 void cli_job_end(cli_session *session, cli_job *job);
-// The surfaces of the base that the job's --faces name, and the base's trims, into job->options. After cli_job_begin.
-// Exit code.
-int cli_choose_faces(cli_session *session, cli_job *job, const cli_base *base);
+// Of a CAD file the faces that the jobs' --faces name: others leave the base, and those of each job go, with the base's
+// trims, into its options. After cli_job_begin. Exit code.
+int cli_choose_faces(cli_session *session, cli_job *jobs, int njobs, cli_base *base);
 int cli_read_field(cli_session *session, cli_field *field, cli_field_kind kind); // exit code
 // A surface of one component (or three, of which the last one counts) over [0,1]^2. Exit code.
 int cli_read_scalar_spline(cli_session *session, kn_spline *out, const char *path, const char *name);

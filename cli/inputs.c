@@ -25,9 +25,11 @@ static kn_status copy_faces(kn_ctx *ctx, cli_base *out)
     bool trimmed = false;
     for (int i = 0; i < cad->nfaces; i++) trimmed = trimmed || !cad->faces[i].whole;
     out->surfaces = kn_alloc_zero(ctx, n, sizeof *out->surfaces);
+    out->face = kn_alloc(ctx, n, sizeof *out->face);
     if (trimmed) out->trims = kn_alloc_zero(ctx, n, sizeof *out->trims);
-    kn_status status = out->surfaces && (out->trims || !trimmed) ? KN_OK : KN_ENOMEM;
+    kn_status status = out->surfaces && out->face && (out->trims || !trimmed) ? KN_OK : KN_ENOMEM;
     for (int i = 0; status == KN_OK && i < cad->nfaces; i++) {
+        out->face[i] = i;
         status = kn_spline_copy(ctx, &out->surfaces[out->nsurfaces++], &cad->faces[i].surface);
         if (status == KN_OK && !cad->faces[i].whole) status = kn_trim_copy(ctx, &out->trims[i], &cad->faces[i].trim);
     }
@@ -71,6 +73,7 @@ void cli_base_clear(cli_session *session, cli_base *base)
     for (int i = 0; base->trims && i < base->nsurfaces; i++) kn_trim_clear(cli_ctx(session), &base->trims[i]);
     kn_free(cli_ctx(session), base->surfaces);
     kn_free(cli_ctx(session), base->trims);
+    kn_free(cli_ctx(session), base->face);
     kn_cad_clear(cli_ctx(session), &base->cad);
     *base = (cli_base){0};
 }
@@ -93,31 +96,90 @@ static kn_status find_faces(kn_ctx *ctx, bool *flags, const cli_job *job, const 
     return status;
 }
 
-int cli_choose_faces(cli_session *session, cli_job *job, const cli_base *base)
+// Keeps the surfaces of these faces. place: where each face went, -1: nowhere.
+static void keep_faces(kn_ctx *ctx, cli_base *base, const bool *flags, int *place)
 {
-    kn_ctx *ctx = cli_ctx(session);
-    const kn_cad *cad = &base->cad;
-    if (cad->nfaces == 0 && job->nface_texts > 0) {
-        cli_error("--faces: %s is no CAD file: its surfaces have numbers alone, got '%s'", base->path,
-                  job->face_text[0]);
-        return EXIT_USAGE;
+    int kept = 0;
+    bool trimmed = false;
+    for (int i = 0; i < base->nsurfaces; i++) {
+        place[i] = flags[i] ? kept : -1;
+        if (!flags[i]) {
+            kn_spline_clear(ctx, &base->surfaces[i]);
+            if (base->trims) kn_trim_clear(ctx, &base->trims[i]);
+            continue;
+        }
+        kn_spline surface = base->surfaces[i];
+        base->surfaces[i] = (kn_spline){0};
+        base->surfaces[kept] = surface;
+        kn_trim trim = base->trims ? base->trims[i] : (kn_trim){0};
+        if (base->trims) base->trims[i] = (kn_trim){0};
+        if (base->trims) base->trims[kept] = trim;
+        trimmed = trimmed || trim.nloops > 0;
+        base->face[kept++] = base->face[i];
     }
-    job->options.trims = base->trims;
-    if (cad->nfaces == 0) return EXIT_OK;
-    if (job->nfaces == 0 && job->nface_texts == 0) {
-        if (cad->nfaces > 1)
-            cli_warn(session, "%s: all its %d faces are meant; --faces chooses some, 'knurl info' lists them",
-                     base->path, cad->nfaces);
-        return EXIT_OK;
+    base->nsurfaces = kept;
+    if (!trimmed) {
+        kn_free(ctx, base->trims);
+        base->trims = NULL;
     }
-    bool *flags = kn_alloc_zero(ctx, (size_t)cad->nfaces, sizeof *flags);
-    job->chosen = kn_alloc(ctx, (size_t)cad->nfaces, sizeof *job->chosen);
-    kn_status status = flags && job->chosen ? find_faces(ctx, flags, job, cad) : KN_ENOMEM;
-    job->nchosen = 0;
-    for (int i = 0; status == KN_OK && i < cad->nfaces; i++)
-        if (flags[i]) job->chosen[job->nchosen++] = i;
+}
+
+// flags: nfaces of each job, one after the other, then those of all jobs.
+static kn_status flag_faces(kn_ctx *ctx, bool *flags, cli_job *jobs, int njobs, const kn_cad *cad)
+{
+    size_t n = (size_t)cad->nfaces;
+    kn_status status = KN_OK;
+    for (int j = 0; status == KN_OK && j < njobs; j++) {
+        bool *own = flags + (size_t)j * n, all = jobs[j].nfaces == 0 && jobs[j].nface_texts == 0;
+        if (jobs[j].on > 0) continue; // its base is another layer
+        status = find_faces(ctx, own, &jobs[j], cad);
+        for (size_t i = 0; i < n; i++) {
+            own[i] = own[i] || all;
+            flags[(size_t)njobs * n + i] |= own[i];
+        }
+    }
+    return status;
+}
+
+static kn_status choose(kn_ctx *ctx, cli_job *jobs, int njobs, cli_base *base)
+{
+    size_t n = (size_t)base->cad.nfaces;
+    bool *flags = kn_alloc_zero(ctx, ((size_t)njobs + 1) * n, sizeof *flags);
+    int *place = kn_alloc(ctx, n, sizeof *place);
+    kn_status status = flags && place ? flag_faces(ctx, flags, jobs, njobs, &base->cad) : KN_ENOMEM;
+    if (status == KN_OK) keep_faces(ctx, base, flags + (size_t)njobs * n, place);
+    for (int j = 0; status == KN_OK && j < njobs; j++) {
+        if (jobs[j].on > 0) continue;
+        int *chosen = kn_alloc(ctx, n, sizeof *chosen), count = 0;
+        status = chosen ? KN_OK : KN_ENOMEM;
+        for (size_t i = 0; chosen && i < n; i++)
+            if (flags[(size_t)j * n + i]) chosen[count++] = place[i];
+        jobs[j].chosen = chosen;
+        jobs[j].options.select.surfaces = chosen;
+        jobs[j].options.select.nsurfaces = count;
+        jobs[j].options.trims = base->trims;
+    }
     kn_free(ctx, flags);
-    job->options.select.surfaces = job->chosen;
-    job->options.select.nsurfaces = job->nchosen;
+    kn_free(ctx, place);
+    return status;
+}
+
+int cli_choose_faces(cli_session *session, cli_job *jobs, int njobs, cli_base *base)
+{
+    int nfaces = base->cad.nfaces;
+    bool all = false;
+    for (int j = 0; j < njobs; j++) {
+        if (nfaces == 0 && jobs[j].nface_texts > 0) {
+            cli_error("--faces: %s is no CAD file: its surfaces have numbers alone, got '%s'", base->path,
+                      jobs[j].face_text[0]);
+            return EXIT_USAGE;
+        }
+        all = all || (jobs[j].on == 0 && jobs[j].nfaces == 0 && jobs[j].nface_texts == 0);
+    }
+    if (nfaces == 0) return EXIT_OK;
+    if (all && nfaces > 1)
+        cli_warn(session, "%s: all its %d faces are meant; --faces chooses some, 'knurl info' lists them", base->path,
+                 nfaces);
+    kn_status status = choose(cli_ctx(session), jobs, njobs, base);
     return status == KN_OK ? EXIT_OK : cli_fail_on(session, status, base->path, true);
 }

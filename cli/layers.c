@@ -37,9 +37,7 @@ int cli_inputs_begin(cli_session *session, cli_inputs *inputs, cli_recipe *recip
         if (code == EXIT_OK) code = cli_job_begin(session, &recipe->layer[i]);
     }
     if (code == EXIT_OK) code = cli_read_base(session, &inputs->base, recipe->layer[0].base, true);
-    for (int i = 0; i < recipe->nlayers && code == EXIT_OK; i++)
-        if (recipe->layer[i].on == 0) code = cli_choose_faces(session, &recipe->layer[i], &inputs->base);
-    return code;
+    return code == EXIT_OK ? cli_choose_faces(session, recipe->layer, recipe->nlayers, &inputs->base) : code;
 }
 
 void cli_inputs_end(cli_session *session, cli_inputs *inputs, cli_recipe *recipe)
