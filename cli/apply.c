@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // knurl apply: a tile over a base, composed and written.
+#include "cli/body.h"
 #include "cli/plan.h"
 
 #include <string.h>
@@ -111,8 +112,10 @@ static kn_status run_jobs(kn_ctx *ctx, const cli_apply *a, const cli_plan *plan,
 }
 
 // Opens the sinks, runs the jobs, closes them all whatever happened.
-static kn_status run(kn_ctx *ctx, const cli_apply *a, const cli_plan *plan, cli_fit *fit, double *bytes)
+static kn_status run(kn_ctx *ctx, const cli_apply *a, const cli_plan *plan, const cli_body_run *body, cli_fit *fit,
+                     double *bytes)
 {
+    const kn_step_host *host = body->body.host.entities ? &body->body.host : NULL;
     kn_sink opened[CLI_MAX_OUTPUTS];
     bool cad[CLI_MAX_OUTPUTS];
     int open = 0;
@@ -120,7 +123,9 @@ static kn_status run(kn_ctx *ctx, const cli_apply *a, const cli_plan *plan, cli_
     for (; open < a->recipe.noutputs && status == KN_OK; open += status == KN_OK) {
         cad[open] = cli_writes_cad(a->recipe.outputs[open]);
         status = cli_open_sink(ctx, &opened[open], a->recipe.outputs[open],
-                               &(cli_output_options){.unit_mm = a->recipe.layer[0].unit_mm});
+                               &(cli_output_options){.unit_mm = a->recipe.layer[0].unit_mm,
+                                                     .host = host,
+                                                     .gap_mm = body->body.gap});
     }
     if (status == KN_OK) status = cli_fit_sinks(ctx, fit, opened, cad, open, &a->recipe.layer[0]);
     bool fitted = status == KN_OK;
@@ -203,18 +208,19 @@ static kn_status estimate(kn_ctx *ctx, const cli_apply *a, const cli_plan *plan,
     return status;
 }
 
-static int apply(cli_session *session, cli_apply *a, const cli_plan *plan, cli_timing *timing)
+static int apply(cli_session *session, cli_apply *a, const cli_plan *plan, const cli_body_run *body,
+                 cli_timing *timing)
 {
     kn_ctx *ctx = cli_ctx(session);
     double bytes[CLI_MAX_OUTPUTS], began = cli_seconds();
     cli_fit fit = {.options = cli_limits_of(&a->recipe.layer[0])};
     warn_of_receivers(session, a, &plan->report);
     warn_of_curves(session, a, &plan->report);
-    kn_status status = a->dry_run ? estimate(ctx, a, plan, &fit, bytes) : run(ctx, a, plan, &fit, bytes);
+    kn_status status = a->dry_run ? estimate(ctx, a, plan, &fit, bytes) : run(ctx, a, plan, body, &fit, bytes);
     timing->run = cli_seconds() - began;
     if (status != KN_OK) return fail_on_run(session, status, a);
     if (plan->report.cells == 0) cli_warn(session, "%s: no cell is left of the texture", a->recipe.layer[0].base);
-    cli_print_apply(a, plan, &fit, bytes, timing, kn_ctx_counters(ctx).peak_bytes);
+    cli_print_apply(a, plan, &fit, body, bytes, timing, kn_ctx_counters(ctx).peak_bytes);
     return EXIT_OK;
 }
 
@@ -222,6 +228,7 @@ static int work(cli_session *session, cli_apply *a)
 {
     cli_inputs inputs = {0};
     cli_plan plan = {0};
+    cli_body_run body = {.mode = CLI_BODY_NONE};
     cli_timing timing = {0};
     double began = cli_seconds();
     int code = cli_inputs_begin(session, &inputs, &a->recipe);
@@ -229,7 +236,10 @@ static int work(cli_session *session, cli_apply *a)
     began = cli_seconds();
     if (code == EXIT_OK) code = cli_plan_begin(session, &plan, &a->recipe, &inputs);
     timing.plan = cli_seconds() - began;
-    if (code == EXIT_OK) code = apply(session, a, &plan, &timing);
+    if (code == EXIT_OK && !a->dry_run) code = cli_body_begin(session, &body, a, &plan, &inputs);
+    timing.plan = cli_seconds() - began;
+    if (code == EXIT_OK) code = apply(session, a, &plan, &body, &timing);
+    cli_body_end(session, &body);
     cli_plan_end(session, &plan);
     cli_inputs_end(session, &inputs, &a->recipe);
     return code;

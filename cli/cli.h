@@ -141,9 +141,10 @@ typedef struct cli_theme {
     // message.
     bool (*set)(struct cli_job *job, const char *name, int option, const char *text);
 } cli_theme;
-enum { CLI_THEMES = 8, CLI_THEME_OPTIONS = 64, CLI_JOB_OPTIONS = CLI_THEMES * CLI_THEME_OPTIONS };
+enum { CLI_THEMES = 9, CLI_THEME_OPTIONS = 64, CLI_JOB_OPTIONS = CLI_THEMES * CLI_THEME_OPTIONS };
 extern const cli_theme cli_texture_options, cli_placement_options, cli_selection_options, cli_view_options,
-    cli_variation_options, cli_color_options, cli_exactness_options, cli_running_options;
+    cli_variation_options, cli_color_options, cli_exactness_options, cli_body_options,
+    cli_running_options;
 const cli_theme *cli_theme_of(int theme);
 
 // A length that may name its unit: 3mm.
@@ -164,6 +165,8 @@ typedef struct cli_field {
     bool given;
     kn_spline spline; // over [0,1]^2, once cli_job_begin has made it
 } cli_field;
+// What becomes of the body of a CAD base in STEP files (cli/body.h).
+typedef enum cli_body_mode { CLI_BODY_DEFAULT, CLI_BODY_REPLACE, CLI_BODY_COVER, CLI_BODY_NONE } cli_body_mode;
 // A number at every place of the base: a number, an expression, a picture or a spline from a file.
 typedef struct cli_scalar {
     const char *text; // NULL: none
@@ -217,6 +220,7 @@ typedef struct cli_job {
     int on; // the layer that is its base, counted from 1; 0: the recipe's base
     int threads;
     bool has_cell, has_size, has_camera;
+    cli_body_mode body;
     bool base_only; // it is not written itself
     bool json, quiet;
     bool recipe_cells;        // count or size came from a recipe: an option replaces them
@@ -333,7 +337,9 @@ typedef struct cli_apply {
 bool cli_can_write(const char *path);
 typedef struct cli_output_options {
     double unit_mm;
-    bool obj_surfaces; // curves and surfaces in .obj files instead of triangles
+    const kn_step_host *host; // of STEP files; NULL: none
+    double gap_mm;            // between the host's edges and those of the texture
+    bool obj_surfaces;        // curves and surfaces in .obj files instead of triangles
 } cli_output_options;
 kn_status cli_open_sink(kn_ctx *ctx, kn_sink *out, const char *path, const cli_output_options *options);
 bool cli_writes_cad(const char *path); // of those that can be written
@@ -346,8 +352,9 @@ typedef struct cli_timing {
 } cli_timing;
 struct cli_plan;
 struct cli_fit;
+struct cli_body_run;
 void cli_print_apply(const cli_apply *apply, const struct cli_plan *plan, const struct cli_fit *fit,
-                     const double *bytes, const cli_timing *timing, size_t peak_bytes);
+                     const struct cli_body_run *body, const double *bytes, const cli_timing *timing, size_t peak_bytes);
 
 // ---- info ----
 // Creases, poles, apexes and places without a normal of a model's surfaces, as arrays in notes; and as lines of text.

@@ -19,7 +19,10 @@ typedef struct writer {
 
 static kn_status open_step(kn_ctx *ctx, kn_sink *out, const char *path, const cli_output_options *o)
 {
-    return kn_step_sink(ctx, out, path, &(kn_step_options){.unit_mm = o->unit_mm});
+    const double usual = 1e-3;
+    kn_step_options options = {.unit_mm = o->unit_mm, .host = o->host};
+    options.uncertainty_mm = o->gap_mm > usual ? o->gap_mm : usual;
+    return kn_step_sink(ctx, out, path, &options);
 }
 
 static kn_status open_iges(kn_ctx *ctx, kn_sink *out, const char *path, const cli_output_options *o)

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // What `knurl apply` prints when it is done: a few lines for people, or one JSON object (the contract).
+#include "cli/body.h"
 #include "cli/plan.h"
 
 #include <jansson.h>
@@ -119,8 +120,8 @@ static json_t *layers_json(const cli_apply *a, const cli_plan *plan)
     return array;
 }
 
-static void print_json(const cli_apply *a, const cli_plan *plan, const cli_fit *fit, const double *bytes,
-                       const cli_timing *t, size_t peak_bytes)
+static void print_json(const cli_apply *a, const cli_plan *plan, const cli_fit *fit, const cli_body_run *body,
+                       const double *bytes, const cli_timing *t, size_t peak_bytes)
 {
     const kn_job_report *r = &plan->report;
     // stand_in.tolerance: a stand-in and n may each be off by it in length and in angle, at the tile's height.
@@ -148,6 +149,7 @@ static void print_json(const cli_apply *a, const cli_plan *plan, const cli_fit *
                         json_pack("{s:o,s:o}", "tolerance", cli_json_number(4 * r->normal_tol * fabs(r->height)),
                                   "certified_error", cli_json_upper(r->stand_in_error)));
     json_object_set_new(o, "fit", cli_fit_json(fit));
+    json_object_set_new(o, "body", cli_body_json(body));
     json_object_set_new(o, "crossing_error", cli_json_upper(r->crossing_error));
     json_object_set_new(o, "jacobian",
                         json_pack("{s:o,s:o,s:b}", "min", cli_json_lower(r->jacobian_lo), "max",
@@ -168,8 +170,8 @@ static void print_json(const cli_apply *a, const cli_plan *plan, const cli_fit *
     json_decref(o);
 }
 
-static void print_text(const cli_apply *a, const kn_job_report *r, const cli_fit *fit, const double *bytes,
-                       const cli_timing *t)
+static void print_text(const cli_apply *a, const kn_job_report *r, const cli_fit *fit, const cli_body_run *body,
+                       const double *bytes, const cli_timing *t)
 {
     printf("%zu cells of about %.3g, height %.3g, on %d surface%s\n", r->cells, r->cell_size, r->height, r->nsurfaces,
            r->nsurfaces == 1 ? "" : "s");
@@ -203,6 +205,7 @@ static void print_text(const cli_apply *a, const kn_job_report *r, const cli_fit
         printf("%zu patches exact, %zu within %.1e (certified)\n", r->exact_patches, r->patches - r->exact_patches,
                cli_outward(r->stand_in_error, 1, CLI_TEXT_DIGITS));
     cli_print_fit(fit);
+    cli_print_body(body);
     if (!(r->jacobian_lo > 0))
         printf("the shell is not certified free of folds and poles (Jacobian >= %.2g)\n",
                cli_outward(r->jacobian_lo, -1, CLI_TEXT_DIGITS));
@@ -211,11 +214,11 @@ static void print_text(const cli_apply *a, const kn_job_report *r, const cli_fit
     printf("%.2f s\n", t->read + t->plan + t->run);
 }
 
-void cli_print_apply(const cli_apply *apply, const cli_plan *plan, const cli_fit *fit, const double *bytes,
-                     const cli_timing *timing, size_t peak_bytes)
+void cli_print_apply(const cli_apply *apply, const cli_plan *plan, const cli_fit *fit, const cli_body_run *body,
+                     const double *bytes, const cli_timing *timing, size_t peak_bytes)
 {
     if (apply->recipe.layer[0].json)
-        print_json(apply, plan, fit, bytes, timing, peak_bytes);
+        print_json(apply, plan, fit, body, bytes, timing, peak_bytes);
     else if (!apply->recipe.layer[0].quiet)
-        print_text(apply, &plan->report, fit, bytes, timing);
+        print_text(apply, &plan->report, fit, body, bytes, timing);
 }

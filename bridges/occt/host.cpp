@@ -235,7 +235,8 @@ void put_parts(kn_ctx *ctx, kn_text *out, written *w, const step_text &text, con
     kn_text_newline(out);
 }
 
-void answer(kn_ctx *ctx, kn_text *out, const request &r, written *w, const std::vector<TopoDS_Shape> &faces)
+void answer(kn_ctx *ctx, kn_text *out, const request &r, written *w, const std::vector<TopoDS_Shape> &faces,
+            double gap)
 {
     step_text text(text_of(*w));
     finder find(ctx, text);
@@ -247,9 +248,12 @@ void answer(kn_ctx *ctx, kn_text *out, const request &r, written *w, const std::
         home.push_back(find.shell_of(replaced.back()));
     }
     for (const shell &s : find.shells) hidden.push_back(s.number);
-    unsigned context = hidden.empty() ? 0 : find.context_of(hidden[0]);
+    unsigned context = hidden.empty() ? text.first_with("GEOMETRIC_REPRESENTATION_CONTEXT(3)")
+                                      : find.context_of(hidden[0]);
     kn_text_put(out, "knurl-host 1\ncontext");
     put_number(out, context);
+    kn_text_put(out, "\ngap ");
+    kn_text_plain_real(out, gap, 17);
     kn_text_newline(out);
     for (const shell &s : find.shells) {
         std::vector<unsigned> stay;
@@ -319,7 +323,7 @@ void host(kn_ctx *ctx, kn_text *out, const char *path, const char *asked, size_t
     }
     std::vector<TopoDS_Shape> faces;
     for (int f : r.faces) faces.push_back(cutter.apply(d.faces[static_cast<size_t>(f)].shape));
-    answer(ctx, out, r, &w, faces);
+    answer(ctx, out, r, &w, faces, cutter.gap());
 }
 
 } // namespace

@@ -10,6 +10,7 @@
 // and
 //     knurl-host 1
 //     context #                   GEOMETRIC_REPRESENTATION_CONTEXT
+//     gap G                       mm, the most that points of the request are off their edges
 //     shell # closed N  # ..      once for each that loses faces: its number, 1 or 0, the faces that stay
 //     face f s                    for each replaced face: the place of its shell in that list
 //     edge E N                    for each edge of the request, then for each part, in the order of its points:

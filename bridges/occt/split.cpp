@@ -44,7 +44,7 @@ std::string where(const gp_Pnt &p)
 
 // The points' parameters, ascending or descending: *along tells.
 void find_sites(std::vector<site> &sites, bool *along, const TopoDS_Edge &edge, const std::vector<gp_Pnt> &points,
-                double tolerance)
+                double tolerance, double *gap)
 {
     BRepAdaptor_Curve curve(edge);
     const double first = curve.FirstParameter(), last = curve.LastParameter();
@@ -53,11 +53,12 @@ void find_sites(std::vector<site> &sites, bool *along, const TopoDS_Edge &edge, 
     for (size_t i = 0; i < n; i++) {
         gp_Pnt foot;
         sites[i].point = points[i];
-        double off = ShapeAnalysis_Curve().Project(curve, points[i], Precision::Confusion(), foot, sites[i].at,
-                                                   false);
+        const double off = ShapeAnalysis_Curve().Project(curve, points[i], Precision::Confusion(), foot, sites[i].at,
+                                                         false);
         if (!(off <= tolerance))
             throw split_error("point " + where(points[i]) + " is " + std::to_string(off) +
                               " mm from the edge that it is to cut");
+        *gap = std::max(*gap, off);
     }
     *along = sites[1].at < sites[2].at;
     sites[0].at = *along ? first : last;
@@ -79,7 +80,7 @@ void splitter::cut(const TopoDS_Edge &given, const std::vector<gp_Pnt> &points, 
     const TopoDS_Edge edge = TopoDS::Edge(given.Oriented(TopAbs_FORWARD));
     std::vector<site> sites;
     bool along = true;
-    find_sites(sites, &along, edge, points, tolerance);
+    find_sites(sites, &along, edge, points, tolerance, &widest);
     const size_t n = (points.size() - 1) / 3;
     if (parts.IsBound(plain(edge))) throw split_error("an edge is cut twice");
 

@@ -38,8 +38,14 @@ class splitter
     TopoDS_Shape apply(const TopoDS_Shape &shape);
     // All shapes of the document, with the labels of their subshapes.
     void apply_to(const Handle(TDocStd_Document) & document);
+    // The most that any of the points was off its edge.
+    double gap() const
+    {
+        return widest;
+    }
 
   private:
+    double widest = 0.0;
     TopoDS_Shape build(const TopoDS_Shape &shape);
     NCollection_DataMap<TopoDS_Shape, std::vector<TopoDS_Shape>, TopTools_ShapeMapHasher> parts; // by the whole edge
     NCollection_DataMap<TopoDS_Shape, TopoDS_Shape, TopTools_ShapeMapHasher> made;

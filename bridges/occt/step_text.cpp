@@ -135,6 +135,13 @@ std::vector<unsigned> step_text::users(unsigned n) const
     return list;
 }
 
+unsigned step_text::first_with(const char *part) const
+{
+    for (unsigned n = 0; n < entities.size(); n++)
+        if (entities[n].find(part) != std::string::npos) return n;
+    return 0;
+}
+
 std::string step_text::name(unsigned n) const
 {
     return n < entities.size() && !entities[n].empty() ? entities[n].substr(1, entities[n].find('(') - 1) : "";

@@ -25,6 +25,7 @@ class step_text
     }
     std::vector<unsigned> references(unsigned n) const; // what entity n refers to, in its order
     std::vector<unsigned> users(unsigned n) const;      // what refers to it
+    unsigned first_with(const char *part) const;        // the first entity with this in its text; 0: none
     std::string name(unsigned n) const;                 // "EDGE_CURVE"; "": a complex entity, or none
 
   private:
