@@ -3,6 +3,8 @@
 #include "compose/basis.h"
 
 #include <knurl/compose.h>
+
+#include <math.h>
 #include <string.h>
 
 enum { VARS = 3 };
@@ -30,34 +32,64 @@ static void write_column(const target *to, const kn_bezier *b, size_t column)
             for (int k = 0; k <= last[2]; k++) m[i * to->step[0] + j * to->step[1] + k * to->step[2]] = *from++;
 }
 
+// The components of a tile, or of a part of one, each of the least degree in each variable that it has but for rounding:
+// where u runs along r alone and v along t alone, products have much lower degrees than those of the tile. Of u and v
+// the rounding of numbers near 1 counts, of w that of its own size.
+typedef struct components {
+    kn_bezier x[3];
+} components;
+
+static void components_clear(kn_ctx *ctx, components *c)
+{
+    for (int k = 0; k < 3; k++) kn_bezier_clear(ctx, &c->x[k]);
+}
+
+// most: degrees that are not passed; NULL: any.
+static kn_status components_init(kn_ctx *ctx, components *c, const kn_bezier *tile, const int most[3][VARS])
+{
+    const double rounding = 0x1p-48;
+    kn_status status = KN_OK;
+    for (int k = 0; k < 3 && status == KN_OK; k++) {
+        int degree[KN_MAX_VARS];
+        double size = k < 2 ? 1.0 : 0.0;
+        status = kn_bezier_components(ctx, &c->x[k], tile, k, 1);
+        size_t n = status == KN_OK ? kn_bezier_count(&c->x[k]) : 0;
+        for (size_t i = 0; i < n; i++) size = fmax(size, fabs(c->x[k].coef[i]));
+        if (status == KN_OK && tile->nvars > 0)
+            status = kn_bezier_least_degree(ctx, degree, &c->x[k], rounding * size);
+        bool lower = false;
+        for (int v = 0; v < tile->nvars && status == KN_OK; v++) {
+            if (most && degree[v] > most[k][v]) degree[v] = most[k][v];
+            lower = lower || degree[v] < tile->degree[v];
+        }
+        if (status == KN_OK && lower) status = kn_bezier_reduce(ctx, &c->x[k], NULL, &c->x[k], degree);
+    }
+    return status;
+}
+
 typedef struct factors {
     kn_bezier *u, *v; // B_a(u) w^power and B_b(v)
     const int *degree;
 } factors;
 
-static kn_status make_factors(kn_ctx *ctx, factors *f, const kn_bezier *tile, int power)
+static kn_status make_factors(kn_ctx *ctx, factors *f, const components *c, int power)
 {
-    kn_bezier x = {0}, w = {0}, *wk = kn_compose_list(ctx, power + 1);
-    kn_status status = wk ? kn_bezier_components(ctx, &x, tile, 0, 1) : KN_ENOMEM;
-    if (status == KN_OK) status = kn_compose_basis(ctx, f->u, f->degree[0], &x, NULL);
-    if (status == KN_OK) status = kn_bezier_components(ctx, &x, tile, 1, 1);
-    if (status == KN_OK) status = kn_compose_basis(ctx, f->v, f->degree[1], &x, NULL);
-    if (status == KN_OK) status = kn_bezier_components(ctx, &w, tile, 2, 1);
-    if (status == KN_OK) status = kn_compose_powers(ctx, wk, power, &w);
+    kn_bezier *wk = kn_compose_list(ctx, power + 1);
+    kn_status status = wk ? kn_compose_basis(ctx, f->u, f->degree[0], &c->x[0], NULL) : KN_ENOMEM;
+    if (status == KN_OK) status = kn_compose_basis(ctx, f->v, f->degree[1], &c->x[1], NULL);
+    if (status == KN_OK) status = kn_compose_powers(ctx, wk, power, &c->x[2]);
     for (int a = 0; status == KN_OK && power > 0 && a <= f->degree[0]; a++)
         status = kn_bezier_product(ctx, &f->u[a], &f->u[a], &wk[power]);
-    kn_bezier_clear(ctx, &x);
-    kn_bezier_clear(ctx, &w);
     kn_compose_list_clear(ctx, wk, power + 1);
     return status;
 }
 
 // All columns, for a tile of any number of variables.
-static kn_status fill(kn_ctx *ctx, const target *to, const kn_bezier *tile, const int degree[2], int power)
+static kn_status fill(kn_ctx *ctx, const target *to, const components *c, const int degree[2], int power)
 {
     factors f = {kn_compose_list(ctx, degree[0] + 1), kn_compose_list(ctx, degree[1] + 1), degree};
     kn_bezier column = {0};
-    kn_status status = f.u && f.v ? make_factors(ctx, &f, tile, power) : KN_ENOMEM;
+    kn_status status = f.u && f.v ? make_factors(ctx, &f, c, power) : KN_ENOMEM;
     size_t at = 0;
     for (int a = 0; status == KN_OK && a <= degree[0]; a++)
         for (int b = 0; status == KN_OK && b <= degree[1]; b++) {
@@ -134,8 +166,8 @@ static bool comes_before(const kn_bezier *a, const kn_bezier *b)
 // Rows of a face, an edge or a corner depend on it alone, and those that two patches share must get the same numbers,
 // whichever patch they are computed from and whichever way it runs: so they are computed again from that part by
 // itself, in the way that comes first of all (at most eight). fixed[v]: -1 free, else the end.
-static kn_status fill_part(kn_ctx *ctx, kn_compose_matrix *out, const kn_bezier *tile, const int *fixed,
-                           const int degree[2], int power)
+static kn_status fill_part(kn_ctx *ctx, kn_compose_matrix *out, const kn_bezier *tile, const int most[3][VARS],
+                           const int *fixed, const int degree[2], int power)
 {
     way w = {0}, best;
     kn_bezier part = {0}, least = {0};
@@ -159,7 +191,13 @@ static kn_status fill_part(kn_ctx *ctx, kn_compose_matrix *out, const kn_bezier 
         layout l = lay_out(&best, out->rows_degree, tile->nvars, fixed);
         target to = {.matrix = out, .first = l.first};
         for (int v = 0; v < best.nvars; v++) to.step[v] = l.step[v], to.rows_degree[v] = l.degree[v];
-        status = fill(ctx, &to, &least, degree, power);
+        int limit[3][VARS];
+        components c = {0};
+        for (int k = 0; k < 3; k++)
+            for (int v = 0; v < best.nvars; v++) limit[k][v] = most[k][best.of[v]];
+        status = components_init(ctx, &c, &least, (const int(*)[VARS])limit);
+        if (status == KN_OK) status = fill(ctx, &to, &c, degree, power);
+        components_clear(ctx, &c);
     }
     kn_bezier_clear(ctx, &part);
     kn_bezier_clear(ctx, &least);
@@ -167,8 +205,8 @@ static kn_status fill_part(kn_ctx *ctx, kn_compose_matrix *out, const kn_bezier 
 }
 
 // Parts of ever fewer variables: each replaces what the larger ones have put on it.
-static kn_status fill_parts(kn_ctx *ctx, kn_compose_matrix *out, const kn_bezier *tile, const int degree[2],
-                            int power)
+static kn_status fill_parts(kn_ctx *ctx, kn_compose_matrix *out, const kn_bezier *tile, const int most[3][VARS],
+                            const int degree[2], int power)
 {
     int parts = tile->nvars == 3 ? 27 : tile->nvars == 2 ? 9 : 3;
     kn_status status = KN_OK;
@@ -179,12 +217,12 @@ static kn_status fill_parts(kn_ctx *ctx, kn_compose_matrix *out, const kn_bezier
                 fixed[v] = rest % 3 - 1;
                 n += fixed[v] < 0;
             }
-            if (n == nfree) status = fill_part(ctx, out, tile, fixed, degree, power);
+            if (n == nfree) status = fill_part(ctx, out, tile, most, fixed, degree, power);
         }
     return status;
 }
 
-static kn_status check(kn_ctx *ctx, const kn_bezier *tile, const int degree[2], int power, const int *rows_degree)
+static kn_status check(kn_ctx *ctx, const kn_bezier *tile, const int degree[2], int power)
 {
     if (!tile->coef || tile->nvars < 1 || tile->nvars > VARS || tile->ncomp != 3 || tile->rational)
         return kn_fail(ctx, KN_EDOMAIN,
@@ -193,9 +231,15 @@ static kn_status check(kn_ctx *ctx, const kn_bezier *tile, const int degree[2], 
         return kn_fail(ctx, KN_EDOMAIN, "compose matrix: degrees %d, %d, power %d", degree[0], degree[1], power);
     if (degree[0] > KN_MAX_DEGREE || degree[1] > KN_MAX_DEGREE || power > KN_MAX_DEGREE)
         return kn_fail(ctx, KN_ELIMIT, "compose matrix: degrees %d, %d, power %d", degree[0], degree[1], power);
+    return KN_OK;
+}
+
+static kn_status check_rows(kn_ctx *ctx, const components *c, int nvars, const int degree[2], int power,
+                            const int *rows_degree)
+{
     size_t rows = 1;
-    for (int d = 0; d < tile->nvars; d++) {
-        int least = tile->degree[d] * (degree[0] + degree[1] + power);
+    for (int d = 0; d < nvars; d++) {
+        int least = c->x[0].degree[d] * degree[0] + c->x[1].degree[d] * degree[1] + c->x[2].degree[d] * power;
         if (least > KN_MAX_DEGREE || rows_degree[d] > KN_MAX_DEGREE)
             return kn_fail(ctx, KN_ELIMIT, "compose matrix: degree %d in variable %d",
                            least > rows_degree[d] ? least : rows_degree[d], d);
@@ -211,19 +255,23 @@ static kn_status check(kn_ctx *ctx, const kn_bezier *tile, const int degree[2], 
 kn_status kn_compose_matrix_init(kn_ctx *ctx, kn_compose_matrix *out, const kn_bezier *tile, const int degree[2],
                                  int power, const int *rows_degree)
 {
-    kn_status status = check(ctx, tile, degree, power, rows_degree);
-    if (status != KN_OK) return status;
     kn_compose_matrix m = {.rows = 1, .cols = (size_t)(degree[0] + 1) * (size_t)(degree[1] + 1)};
     target whole = {.matrix = &m, .whole = true};
-    for (int d = tile->nvars - 1; d >= 0; d--) {
+    components c = {0};
+    int most[3][VARS] = {{0}};
+    kn_status status = check(ctx, tile, degree, power);
+    if (status == KN_OK) status = components_init(ctx, &c, tile, NULL);
+    if (status == KN_OK) status = check_rows(ctx, &c, tile->nvars, degree, power, rows_degree);
+    for (int d = tile->nvars - 1; d >= 0 && status == KN_OK; d--) {
+        for (int k = 0; k < 3; k++) most[k][d] = c.x[k].degree[d];
         m.rows_degree[d] = whole.rows_degree[d] = rows_degree[d];
         whole.step[d] = (ptrdiff_t)m.rows;
         m.rows *= (size_t)rows_degree[d] + 1;
     }
-    m.m = kn_alloc(ctx, m.rows * m.cols, sizeof *m.m);
-    if (!m.m) return KN_ENOMEM;
-    status = fill(ctx, &whole, tile, degree, power);
-    if (status == KN_OK) status = fill_parts(ctx, &m, tile, degree, power);
+    if (status == KN_OK && !(m.m = kn_alloc(ctx, m.rows * m.cols, sizeof *m.m))) status = KN_ENOMEM;
+    if (status == KN_OK) status = fill(ctx, &whole, &c, degree, power);
+    if (status == KN_OK) status = fill_parts(ctx, &m, tile, (const int(*)[VARS])most, degree, power);
+    components_clear(ctx, &c);
     if (status == KN_OK)
         *out = m;
     else

@@ -55,6 +55,8 @@ kn_status kn_job_bands_get(kn_ctx *ctx, const double **rows, kn_job_bands *bands
                            const kn_job_key *key, int cells)
 {
     const kn_job_band *found = NULL;
+    *rows = NULL;
+    if (kn_job_borrows(bands->job, place->surface, place->cell)) return KN_OK;
     for (int i = 0; !found && i < bands->count; i++)
         if (has(&bands->band[i], place, key)) found = &bands->band[i];
     if (!found) {

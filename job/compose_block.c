@@ -96,6 +96,29 @@ static kn_status compose_symbolic(kn_ctx *ctx, const composer *c, const kn_bezie
     return status;
 }
 
+// A patch that lies in its cell by a matrix of its own: unlike symbolic composition it gives an edge, a corner or a
+// face the same bits as any other patch that has it.
+static kn_status compose_alone(kn_ctx *ctx, const composer *c, const kn_job_key *key, const kn_bezier *d,
+                               const kn_shell_piece *piece, const kn_patch *patch)
+{
+    int rows[KN_JOB_VARS] = {0};
+    for (int v = 0; v < d->nvars; v++) rows[v] = patch->bezier.degree[v];
+    kn_job_matrix m = {0};
+    kn_mark mark = kn_scratch_mark(ctx);
+    const double *from = piece_rows(ctx, piece, c->ncomp);
+    kn_status status = from ? kn_job_make_matrix(ctx, &m, d, key, rows) : KN_ENOMEM;
+    double *work = status == KN_OK ? kn_scratch(ctx, m.k, sizeof *work) : NULL;
+    if (status == KN_OK && !work) status = KN_ENOMEM;
+    for (size_t k = 0; status == KN_OK && k < (size_t)c->ncomp; k++) {
+        double *to = patch->bezier.coef + k * m.n;
+        const double *row = from + k * m.k;
+        kn_gemm(&to, &row, 1, m.packed, m.k, m.n, work);
+    }
+    kn_free(ctx, m.packed);
+    kn_scratch_release(ctx, mark);
+    return status;
+}
+
 // The next patch of the block, with room for its control points; NULL: the plan is not what it was.
 static kn_patch *next_patch(kn_ctx *ctx, composer *c, const kn_job_patch *from, const kn_job_key *key,
                             uint32_t instance, const int cell[2], const int degree[KN_JOB_VARS], int nvars)
@@ -246,8 +269,10 @@ static kn_status compose_ref(kn_ctx *ctx, composer *c, kn_job_ref ref, const int
     if (c->matrices[ref.key].packed) return use_matrix(ctx, c, ref.key, index, &p->piece);
     kn_bezier d = {0};
     double lo[2], hi[2];
+    bool by_matrix = key->whole && !c->job->options.symbolic;
     status = kn_job_in_box(ctx, &d, lo, hi, from, key);
-    if (status == KN_OK) status = compose_symbolic(ctx, c, &d, &p->piece, to);
+    if (status == KN_OK && by_matrix) status = compose_alone(ctx, c, key, &d, &p->piece, to);
+    if (status == KN_OK && !by_matrix) status = compose_symbolic(ctx, c, &d, &p->piece, to);
     kn_bezier_clear(ctx, &d);
     return status;
 }
@@ -263,29 +288,6 @@ static kn_status compose_shared(kn_ctx *ctx, composer *c, const int cell[2], con
 }
 
 // ---- cells with plans of their own ----
-
-// A patch that lies in its cell by a matrix of its own: unlike symbolic composition it gives an edge, a corner or a
-// face the same bits as any other patch that has it.
-static kn_status compose_alone(kn_ctx *ctx, const composer *c, const kn_job_key *key, const kn_bezier *d,
-                               const kn_shell_piece *piece, const kn_patch *patch)
-{
-    int rows[KN_JOB_VARS] = {0};
-    for (int v = 0; v < d->nvars; v++) rows[v] = patch->bezier.degree[v];
-    kn_job_matrix m = {0};
-    kn_mark mark = kn_scratch_mark(ctx);
-    const double *from = piece_rows(ctx, piece, c->ncomp);
-    kn_status status = from ? kn_job_make_matrix(ctx, &m, d, key, rows) : KN_ENOMEM;
-    double *work = status == KN_OK ? kn_scratch(ctx, m.k, sizeof *work) : NULL;
-    if (status == KN_OK && !work) status = KN_ENOMEM;
-    for (size_t k = 0; status == KN_OK && k < (size_t)c->ncomp; k++) {
-        double *to = patch->bezier.coef + k * m.n;
-        const double *row = from + k * m.k;
-        kn_gemm(&to, &row, 1, m.packed, m.k, m.n, work);
-    }
-    kn_free(ctx, m.packed);
-    kn_scratch_release(ctx, mark);
-    return status;
-}
 
 static kn_status compose_leaf(kn_ctx *ctx, composer *c, const kn_job_cell_plan *plan, const kn_job_leaf *leaf)
 {

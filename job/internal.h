@@ -81,6 +81,9 @@ typedef struct kn_job_surface {
     double box[2][2];   // its lower and upper ends in the origin's domain, which [0,1]^2 stands for
     size_t first_cell;  // in the job's order
     int degree_sum;     // of n: what fits into max_degree
+    bool borrows[4];    // along each edge, from the partner's surface (kn_job_borrow)
+    int corner[4];      // 4 surface + corner, whose coefficients are borrowed; -1: none are
+    int factor;         // of whole cells: the least, that of all surfaces whose edges are shared; 0: their own
     int tile_degree;    // the largest of the tile's patches
     double jacobian[2]; // bounds
 } kn_job_surface;
@@ -235,6 +238,17 @@ kn_status kn_job_stretch(kn_ctx *ctx, kn_job *job, kn_job_bases *bases);
 // ---- shells.c ----
 // job->surfaces' shells and bounds of the Jacobian.
 kn_status kn_job_make_shells(kn_ctx *ctx, kn_job *job, const kn_job_bases *bases);
+
+// ---- borrow.c ----
+// Which shells have to be made again, with n of which least degrees, so that along edges over which surfaces go on all
+// n have one degree and are as smooth. least, again: for each surface; again is false throughout before.
+kn_status kn_job_even_degrees(kn_ctx *ctx, int (*least)[2], bool *again, const kn_job *job);
+// Who borrows from whom, and factor, of all surfaces.
+kn_status kn_job_share_edges(kn_ctx *ctx, kn_job *job);
+// The coefficients of a whole cell's piece along edges of the surface that others lend, and at its corners. Of pieces
+// without coefficients, and stand-ins, nothing changes.
+kn_status kn_job_borrow(kn_ctx *ctx, const kn_job *job, int surface, const int cell[2], kn_shell_piece *piece);
+bool kn_job_borrows(const kn_job *job, int surface, const int cell[2]);
 
 // ---- edges.c ----
 // partners: 4 for each surface.

@@ -25,9 +25,10 @@ void kn_job_leaf_degree(const kn_job_cell_plan *plan, const kn_job_leaf *leaf, i
     kn_job_degree(kn_job_leaf_patch(plan, leaf), &leaf->key, degree);
 }
 
-static void take_terms(kn_job_key *key, const kn_shell_piece *piece)
+// least: of the factor.
+static void take_terms(kn_job_key *key, const kn_shell_piece *piece, int least)
 {
-    int factor = 1;
+    int factor = key->whole && piece->exact && least > 1 ? least : 1;
     key->exact = piece->exact;
     key->nterms = (uint8_t)piece->nterms;
     for (int t = 0; t < piece->nterms; t++) {
@@ -60,7 +61,7 @@ kn_status kn_job_add_leaf(kn_ctx *ctx, kn_job_cell_plan *plan, kn_job_leaf *leaf
     }
     if (leaf->piece >= 0) {
         const kn_shell_piece *piece = &plan->pieces.list[leaf->piece].piece;
-        take_terms(&leaf->key, piece);
+        take_terms(&leaf->key, piece, plan->job->surfaces[plan->pieces.list[leaf->piece].surface].factor);
         worsen(&plan->normal, &piece->normal);
         if (!leaf->mesh.position)
             plan->stand_in = fmax(plan->stand_in, piece->deviation * kn_job_leaf_patch(plan, leaf)->top);

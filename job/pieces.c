@@ -10,14 +10,30 @@ static bool same(const kn_job_piece *p, const kn_job_place *place, const double 
     return true;
 }
 
+// The whole piece, with what its cell borrows.
+static kn_status make(kn_ctx *ctx, kn_job_piece *p, const kn_job *job)
+{
+    const kn_job_surface *s = &job->surfaces[p->surface];
+    bool whole = p->lo[0] == 0.0 && p->lo[1] == 0.0 && p->hi[0] == 1.0 && p->hi[1] == 1.0, fits = false;
+    kn_shell_piece made = {0};
+    kn_status status = kn_shell_piece_init(ctx, &made, &fits, s->shell, p->cell, p->lo, p->hi, s->degree_sum);
+    if (status == KN_OK && fits && whole) status = kn_job_borrow(ctx, job, p->surface, p->cell, &made);
+    if (status == KN_OK) {
+        p->piece = made;
+        p->fits = fits;
+    } else {
+        kn_shell_piece_clear(ctx, &made);
+    }
+    return status;
+}
+
 // Coefficients where there was but an outline.
 static kn_status fill(kn_ctx *ctx, kn_job_pieces *pieces, kn_job_piece *p)
 {
     if (!p->fits || p->piece.term[0].coef) return KN_OK;
-    const kn_job_surface *s = &pieces->job->surfaces[p->surface];
     kn_shell_piece_clear(ctx, &p->piece);
     p->fits = false;
-    return kn_shell_piece_init(ctx, &p->piece, &p->fits, s->shell, p->cell, p->lo, p->hi, s->degree_sum);
+    return make(ctx, p, pieces->job);
 }
 
 kn_status kn_job_pieces_get(kn_ctx *ctx, int *index, kn_job_pieces *pieces, const kn_job_place *place,
@@ -39,10 +55,9 @@ kn_status kn_job_pieces_get(kn_ctx *ctx, int *index, kn_job_pieces *pieces, cons
     *p = (kn_job_piece){.surface = place->surface, .cell = {place->cell[0], place->cell[1]}};
     for (int d = 0; d < 2; d++) p->lo[d] = lo[d], p->hi[d] = hi[d];
     const kn_job_surface *s = &pieces->job->surfaces[place->surface];
-    kn_status status = pieces->outline
-                           ? kn_shell_piece_outline(ctx, &p->piece, &p->fits, s->shell, p->cell, lo, hi,
-                                                    s->degree_sum)
-                           : kn_shell_piece_init(ctx, &p->piece, &p->fits, s->shell, p->cell, lo, hi, s->degree_sum);
+    kn_status status = pieces->outline ? kn_shell_piece_outline(ctx, &p->piece, &p->fits, s->shell, p->cell, lo, hi,
+                                                                s->degree_sum)
+                                       : make(ctx, p, pieces->job);
     if (status != KN_OK) return status;
     *index = pieces->count++;
     return KN_OK;

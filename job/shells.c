@@ -66,7 +66,11 @@ static kn_status fit_degrees(kn_ctx *ctx, kn_job *job, const kn_job_bases *bases
 typedef struct shells {
     kn_job *job;
     const kn_job_bases *bases;
-    double w[2]; // the heights that the tile occupies
+    double w[2];  // the heights that the tile occupies
+    bool touches; // it reaches the border of its cell: tiles side by side join there
+    int (*least)
+        [2]; // degrees of n, at least, of each surface whose shell is made again; NULL: all are, for the first time
+    bool *again;
 } shells;
 
 // The degree of n in each variable, or of m: what there is room for, up to the usual one.
@@ -109,6 +113,22 @@ static kn_status name_surface(kn_ctx *ctx, kn_status status, int origin)
     return kn_fail(ctx, status, "job: surface %d: %s", origin, message);
 }
 
+// The shell of another degree, where there is room for it; else the first one stays, and what it shares is less.
+static kn_status replace_shell(kn_ctx *ctx, kn_job_surface *to, kn_shell *made, kn_status status)
+{
+    if (status == KN_ENOMEM || status == KN_ECANCELLED) return status;
+    kn_ctx_clear_error(ctx);
+    const kn_spline *n = made ? kn_shell_normal(made) : NULL;
+    if (!n || n->degree[0] + n->degree[1] > to->degree_sum) {
+        kn_shell_destroy(ctx, made);
+        return KN_OK;
+    }
+    kn_shell_destroy(ctx, to->shell);
+    to->shell = made;
+    kn_shell_closed(to->shell, to->closed);
+    return KN_OK;
+}
+
 static kn_status make_shell(kn_ctx *ctx, void *user, size_t index)
 {
     const shells *all = user;
@@ -116,7 +136,9 @@ static kn_status make_shell(kn_ctx *ctx, void *user, size_t index)
     const kn_job_options *options = &all->job->options;
     kn_job_surface *to = &all->job->surfaces[index];
     kn_shell_options o = kn_shell_defaults();
+    if (all->least && !all->again[index]) return KN_OK;
     for (int d = 0; d < 2; d++) {
+        o.min_degree[d] = all->least ? all->least[index][d] : 0;
         o.lines[d] = to->lines[d];
         o.nlines[d] = to->cells[d] + 1;
     }
@@ -125,13 +147,33 @@ static kn_status make_shell(kn_ctx *ctx, void *user, size_t index)
     o.direction = given(&base->direction), o.thickness = given(&base->thickness);
     o.attraction = given(&base->attraction), o.attraction_power = options->attraction_power;
     if (!o.direction && !base->volume.coef) o.max_degree = normal_degree(all->job, to, &all->bases->faces[index]);
-    kn_status status = base->volume.coef ? kn_shell_from_volume(ctx, &to->shell, &base->volume, &o)
-                                         : kn_shell_create(ctx, &to->shell, &all->bases->faces[index], &o);
+    if (all->touches) o.cell_degree_sum = to->degree_sum;
+    kn_shell *made = NULL;
+    kn_status status = base->volume.coef ? kn_shell_from_volume(ctx, &made, &base->volume, &o)
+                                         : kn_shell_create(ctx, &made, &all->bases->faces[index], &o);
+    if (all->least) return replace_shell(ctx, to, made, status);
+    to->shell = made;
     if (status == KN_OK && !o.direction) status = check_normal(ctx, all->job, to);
     if (status != KN_OK) return to->shell ? status : name_surface(ctx, status, to->origin);
 
     kn_shell_closed(to->shell, to->closed);
     return kn_shell_jacobian_bounds(ctx, &to->jacobian[0], &to->jacobian[1], to->shell, all->w[0], all->w[1]);
+}
+
+// Shells of surfaces that go on over shared edges, made again where n is not of one degree along these.
+static kn_status make_even(kn_ctx *ctx, shells *all)
+{
+    size_t n = (size_t)all->job->nsurfaces;
+    all->least = kn_alloc_zero(ctx, n, sizeof *all->least);
+    all->again = kn_alloc_zero(ctx, n, sizeof *all->again);
+    kn_status status = all->least && all->again ? KN_OK : KN_ENOMEM;
+    if (status == KN_OK) status = kn_job_even_degrees(ctx, all->least, all->again, all->job);
+    if (status == KN_OK) status = kn_parallel(ctx, n, make_shell, all, "shell");
+    kn_free(ctx, all->least);
+    kn_free(ctx, all->again);
+    all->least = NULL;
+    if (status == KN_OK) status = kn_job_match_edges(ctx, all->job, all->w);
+    return status == KN_OK ? kn_job_share_edges(ctx, all->job) : status;
 }
 
 // Whether tiles may go on over an edge at which w turns over.
@@ -145,10 +187,11 @@ static bool turns_over(const kn_job *job)
 
 kn_status kn_job_make_shells(kn_ctx *ctx, kn_job *job, const kn_job_bases *bases)
 {
-    shells all = {job, bases, {INFINITY, -INFINITY}};
+    shells all = {job, bases, {INFINITY, -INFINITY}, false, NULL, NULL};
     for (int k = 0; k < job->npatches; k++) {
         size_t n = kn_bezier_count(&job->patches[k].d);
-        const double *w = job->patches[k].d.coef + 2 * n;
+        const double *u = job->patches[k].d.coef, *w = u + 2 * n;
+        for (size_t i = 0; i < 2 * n; i++) all.touches = all.touches || u[i] <= 0.0 || u[i] >= 1.0;
         for (size_t i = 0; i < n; i++) {
             all.w[0] = fmin(all.w[0], w[i]);
             all.w[1] = fmax(all.w[1], w[i]);
@@ -168,7 +211,10 @@ kn_status kn_job_make_shells(kn_ctx *ctx, kn_job *job, const kn_job_bases *bases
     }
     kn_status status = fit_degrees(ctx, job, bases);
     if (status == KN_OK) status = kn_parallel(ctx, (size_t)job->nsurfaces, make_shell, &all, "shell");
+    for (int s = 0; s < job->nsurfaces; s++) // nobody lends yet
+        for (int k = 0; k < 4; k++) job->surfaces[s].corner[k] = -1;
     if (status == KN_OK) status = kn_job_match_edges(ctx, job, all.w);
+    if (status == KN_OK && all.touches) status = make_even(ctx, &all);
     job->report.jacobian_lo = INFINITY;
     job->report.jacobian_hi = -INFINITY;
     for (int s = 0; status == KN_OK && s < job->nsurfaces; s++) {

@@ -80,6 +80,26 @@ static void unify_edge(values *w, int var, bool at_end)
         w->data[k / cross * plane + first + k % cross * step] = mean[k / cross] / sqrt(square);
 }
 
+// Where a closed S goes on over its seam, both sides have one value bit for bit, and so have n and all that is composed
+// with it. Nothing is changed by more than rounding.
+static void unify_seam(values *w, int var)
+{
+    const double near = 1e-12;
+    size_t nu = (size_t)w->u->count, nv = (size_t)w->v->count, plane = nu * nv;
+    size_t cross = var == 0 ? nv : nu, step = var == 0 ? 1 : nv, far = var == 0 ? (nu - 1) * nv : nv - 1;
+    for (size_t k = 0; k < cross; k++) {
+        double off = 0.0, size = 0.0;
+        for (size_t c = 0; c < w->ncomp; c++) {
+            const double *at = w->data + c * plane + k * step;
+            off = fmax(off, fabs(at[far] - at[0])), size = fmax(size, fabs(at[0]));
+        }
+        for (size_t c = 0; c < w->ncomp && off <= near * size; c++) {
+            double *at = w->data + c * plane + k * step;
+            at[far] = at[0];
+        }
+    }
+}
+
 // Interpolation of a constant gives it back but for rounding: take that away.
 static void flatten_edge(values *w, int var, bool at_end)
 {
@@ -117,6 +137,8 @@ static kn_status interpolate(kn_ctx *ctx, values *w)
         pole[e / 2][e % 2] = kn_edge_of(s, e / 2, e % 2).kind == KN_EDGE_POLE;
         if (pole[e / 2][e % 2]) unify_edge(w, e / 2, e % 2);
     }
+    for (int v = 0; v < 2; v++)
+        if (s->closed[v]) unify_seam(w, v);
     status = solve(ctx, w->data, w->u, w->ncomp, nv);
     if (status == KN_OK) status = solve(ctx, w->data, w->v, w->ncomp * nu, 1);
     for (int e = 0; e < 4 && status == KN_OK; e++)

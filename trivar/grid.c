@@ -193,7 +193,8 @@ kn_status kn_grid_split(kn_ctx *ctx, kn_grid_axis *g, const char *split)
 static int times_at(const kn_grid_axis *g, int i, int degree)
 {
     if (i == 0 || i == g->ncuts - 1) return degree + 1;
-    return g->smooth[i] < degree - 1 ? degree - g->smooth[i] : 1;
+    int smooth = g->loose && g->smooth[i] > KN_LOOSE ? KN_LOOSE : g->smooth[i];
+    return smooth < degree - 1 ? degree - smooth : 1;
 }
 
 // Greville's sites: the ends are among them, so that the coefficients of an edge depend on that edge alone. Where n

@@ -176,11 +176,12 @@ typedef struct kn_grid_axis {
     int ncuts, room;
     double *cut;
     int *smooth; // -1: n jumps; KN_SMOOTH: no limit but the degree
+    bool loose;  // no smoother than KN_LOOSE: of high degrees, smoother splines need higher ones still
     int degree, count;
     double *knots, *site;
     int *site_span, *site_knot_span;
 } kn_grid_axis;
-enum { KN_SMOOTH = 1000 };
+enum { KN_SMOOTH = 1000, KN_LOOSE = 2 };
 // The knots of S and cell lines: all of them, or about KN_GRID_LINES spread over the spans where there are more.
 enum { KN_GRID_LINES = 64 };
 kn_status kn_grid_init(kn_ctx *ctx, kn_grid_axis *g, const kn_shell *shell, int var);
@@ -211,7 +212,8 @@ bool kn_lengths_continue(const kn_shell *shell, int var, int k);
 
 // ---- refine.c ----
 // Finds lines and degrees that meet the tolerance; fills normal, cut, normal_piece and the certificates.
-kn_status kn_refine_normal(kn_ctx *ctx, kn_shell *shell, int max_degree, int max_spans);
+// highest: degree of n, or of m.
+kn_status kn_refine_normal(kn_ctx *ctx, kn_shell *shell, const kn_shell_options *options, int highest);
 
 // ---- stand_in.c ----
 // *out = a polynomial of degrees a + b <= degree_sum that meets limit on [0,1]^2; *fits tells whether there is one.

@@ -22,6 +22,8 @@ static double work_for(const kn_shell *s)
 typedef struct refinement {
     kn_shell *shell;
     int max_degree, max_spans;
+    int least[2], lowest[2]; // lowest: with whole cells
+    int highest, cell_degree_sum;
     kn_grid_axis axes[2];
     kn_direction_box *box; // the direction over each span of n, last variable fastest
     size_t nboxes;
@@ -241,7 +243,19 @@ static bool below_rounding(const refinement *r, const candidate *c)
     return false;
 }
 
-static kn_status more_lines(kn_ctx *ctx, refinement *r, const candidate *c)
+// Whether one of the lines that are wanted would lie between those of the cells.
+static bool cuts_cells(const kn_grid_axis *g, const char *split)
+{
+    for (int i = 0; i + 1 < g->ncuts; i++) {
+        if (!split[i]) continue;
+        int at = kn_interval(g->line, g->nlines, g->cut[i]);
+        if (g->line[at + 1] >= g->cut[i + 1]) return true;
+    }
+    return false;
+}
+
+// inside: no lines are added, and it is set, where they would lie in cells; NULL: they may.
+static kn_status more_lines(kn_ctx *ctx, refinement *r, const candidate *c, bool *inside)
 {
     if (below_rounding(r, c)) return give_up(ctx, r, "the tolerance is below what rounding leaves");
     if (r->work < 0.0) return give_up(ctx, r, "that is all the work that this tolerance is worth");
@@ -253,6 +267,11 @@ static kn_status more_lines(kn_ctx *ctx, refinement *r, const candidate *c)
         memset(split[0], 0, nu);
         memset(split[1], 0, nv);
         if (choose(r, c, split, true) == 0) (void)choose(r, c, split, false);
+        if (inside) *inside = cuts_cells(&r->axes[0], split[0]) || cuts_cells(&r->axes[1], split[1]);
+        if (inside && *inside) {
+            kn_scratch_release(ctx, mark);
+            return KN_OK;
+        }
         status = split_axis(ctx, r, 0, split[0]);
         if (status == KN_OK) status = split_axis(ctx, r, 1, split[1]);
         if (status == KN_OK && (size_t)r->axes[0].ncuts * (size_t)r->axes[1].ncuts > MOST_SPANS)
@@ -286,14 +305,62 @@ static kn_status lower_degrees(kn_ctx *ctx, candidate *best, bool *found, refine
     int top = r->max_degree;
     kn_status status = KN_OK;
     *found = false;
-    for (int sum = 2 * KN_LEAST_DEGREE; sum < 2 * top; sum++)
+    for (int sum = r->least[0] + r->least[1]; sum < 2 * top; sum++)
         for (int difference = sum % 2; difference <= top - KN_LEAST_DEGREE; difference += 2)
             for (int k = 0; k < (difference > 0 ? 2 : 1); k++) {
                 int low = (sum - difference) / 2, high = (sum + difference) / 2;
-                if (low < KN_LEAST_DEGREE || high > top || *found || status != KN_OK) continue;
                 const int degree[2] = {k == 0 ? high : low, k == 0 ? low : high};
-                status = try_degrees(ctx, best, found, r, degree);
+                bool allowed = degree[0] >= r->least[0] && degree[1] >= r->least[1] && high <= top;
+                if (allowed && !*found && status == KN_OK) status = try_degrees(ctx, best, found, r, degree);
             }
+    return status;
+}
+
+// The variable in which the spans that failed leave more over.
+static int worse_variable(const refinement *r, const candidate *c, const int degree[2])
+{
+    double worst[2] = {0.0, 0.0};
+    for (size_t i = 0; i < c->npieces; i++)
+        for (int v = 0; v < 2 && c->failed[i]; v++)
+            worst[v] = fmax(worst[v], left_over(r, &r->box[i].n, degree[v], v));
+    return worst[1] > worst[0];
+}
+
+// Higher degrees instead of lines between those of the cells, and C2 alone across these: raised one by one until the
+// tolerance is met, then lowered as far as it goes. Not found where their sum is more than there is room for.
+static kn_status raise_degrees(kn_ctx *ctx, candidate *best, bool *found, refinement *r)
+{
+    int degree[2] = {r->max_degree, r->max_degree};
+    const bool was[2] = {r->axes[0].loose, r->axes[1].loose};
+    kn_status status = KN_OK;
+    *found = false;
+    r->axes[0].loose = r->axes[1].loose = true;
+    while (status == KN_OK && !*found && r->work > 0.0 && degree[0] <= r->highest && degree[1] <= r->highest &&
+           degree[0] + degree[1] <= r->cell_degree_sum + r->max_degree) {
+        candidate c = {0};
+        status = fit(ctx, &c, r, degree);
+        if (status == KN_OK) sample(&c, r, true);
+        if (status == KN_OK && c.nfailed == 0) status = certify(ctx, &c, r, true);
+        *found = status == KN_OK && c.nfailed == 0;
+        if (status == KN_OK && !*found) degree[worse_variable(r, &c, degree)]++;
+        candidate_clear(ctx, *found ? best : &c);
+        if (*found) *best = c;
+    }
+    for (int v = 0; v < 2 && *found; v++)
+        for (bool lower = true; status == KN_OK && lower && degree[v] > r->lowest[v];) {
+            candidate c = {0};
+            degree[v]--;
+            status = try_degrees(ctx, &c, &lower, r, degree);
+            if (!lower) degree[v]++;
+            if (!lower) continue;
+            candidate_clear(ctx, best);
+            *best = c;
+        }
+    if (*found && (status != KN_OK || best->n.degree[0] + best->n.degree[1] > r->cell_degree_sum)) {
+        candidate_clear(ctx, best);
+        *found = false;
+    }
+    for (int v = 0; v < 2 && !*found; v++) r->axes[v].loose = was[v];
     return status;
 }
 
@@ -301,7 +368,7 @@ static kn_status refine(kn_ctx *ctx, candidate *best, refinement *r)
 {
     const int degree[2] = {r->max_degree, r->max_degree};
     kn_status status = make_boxes(ctx, r);
-    bool found = false;
+    bool found = false, cells_alone = r->cell_degree_sum > 0;
     while (status == KN_OK && !found) {
         candidate c = {0};
         status = fit(ctx, &c, r, degree);
@@ -315,7 +382,10 @@ static kn_status refine(kn_ctx *ctx, candidate *best, refinement *r)
                 c = (candidate){0};
             }
         }
-        if (status == KN_OK && !found) status = more_lines(ctx, r, &c);
+        bool inside = false;
+        if (status == KN_OK && !found) status = more_lines(ctx, r, &c, cells_alone ? &inside : NULL);
+        if (status == KN_OK && inside) status = raise_degrees(ctx, best, &found, r);
+        cells_alone = cells_alone && !inside;
         candidate_clear(ctx, &c);
     }
     return status;
@@ -334,12 +404,21 @@ static void adopt(refinement *r, candidate *c)
     }
 }
 
-kn_status kn_refine_normal(kn_ctx *ctx, kn_shell *shell, int max_degree, int max_spans)
+kn_status kn_refine_normal(kn_ctx *ctx, kn_shell *shell, const kn_shell_options *o, int highest)
 {
-    refinement r = {.shell = shell, .max_degree = max_degree, .max_spans = max_spans, .work = work_for(shell)};
+    refinement r = {.shell = shell, .max_spans = o->max_spans, .work = work_for(shell), .highest = highest};
     candidate best = {0};
+    r.max_degree = o->max_degree < highest ? o->max_degree : highest;
+    r.cell_degree_sum = o->cell_degree_sum;
+    for (int v = 0; v < 2; v++) {
+        int least = o->min_degree[v] < highest ? o->min_degree[v] : highest;
+        r.least[v] = least > KN_LEAST_DEGREE ? least : KN_LEAST_DEGREE;
+        r.lowest[v] = least > 1 ? least : 1;
+        r.max_degree = r.least[v] > r.max_degree ? r.least[v] : r.max_degree;
+    }
     kn_status status = kn_grid_init(ctx, &r.axes[0], shell, 0);
     if (status == KN_OK) status = kn_grid_init(ctx, &r.axes[1], shell, 1);
+    for (int v = 0; v < 2; v++) r.axes[v].loose = o->min_degree[v] > 0;
     if (status == KN_OK) status = refine(ctx, &best, &r);
     if (status == KN_OK) adopt(&r, &best);
     candidate_clear(ctx, &best);

@@ -8,7 +8,7 @@
 #include <string.h>
 
 static const double default_tol = 1e-6;
-enum { DEFAULT_DEGREE = 5, DEFAULT_SPANS = 4096, HIGHEST_DEGREE = 12, MOST_CELLS = 1 << 24 };
+enum { DEFAULT_DEGREE = 5, DEFAULT_SPANS = 4096, HIGHEST_DEGREE = 12, HIGHEST_OF_CELLS = 18, MOST_CELLS = 1 << 24 };
 
 kn_shell_options kn_shell_defaults(void)
 {
@@ -161,6 +161,17 @@ static kn_status make_local(kn_ctx *ctx, kn_shell *s)
     return status;
 }
 
+// The ends of f across variable v, which meet but for rounding, meet bit for bit.
+static void close_ends(kn_spline *f, int v)
+{
+    size_t count = kn_spline_count(f), inner = 1, n = (size_t)f->count[v];
+    for (int d = v + 1; d < f->nvars; d++) inner *= (size_t)f->count[d];
+    for (size_t i = 0; i < (size_t)f->ncomp * count / n; i++) {
+        double *first = f->coef + i / inner * n * inner + i % inner;
+        first[(n - 1) * inner] = first[0];
+    }
+}
+
 static kn_status find_closed(kn_ctx *ctx, kn_shell *s)
 {
     kn_status status = KN_OK;
@@ -177,6 +188,10 @@ static kn_status find_closed(kn_ctx *ctx, kn_shell *s)
         }
         if (status != KN_OK) return status;
         s->closed[v] = meet;
+        if (!meet || s->volume.coef) continue;
+        close_ends(&s->surface, v);
+        if (s->thickness.whole.coef) close_ends(&s->thickness.whole, v);
+        for (int k = 0; k < s->nfields; k++) close_ends(&s->field[k].whole, v);
     }
     return KN_OK;
 }
@@ -233,8 +248,9 @@ kn_status kn_shell_create(kn_ctx *ctx, kn_shell **out, const kn_spline *surface,
     if (status == KN_OK) status = kn_shell_set_grid(ctx, s, &o);
     if (status == KN_OK && s->kind == KN_SHELL_NORMAL) {
         status = kn_shell_make_directions(ctx, s);
-        if (status == KN_OK) status = kn_shell_limit_degree(ctx, &o.max_degree, s);
-        if (status == KN_OK) status = kn_refine_normal(ctx, s, o.max_degree, o.max_spans);
+        int highest = HIGHEST_OF_CELLS;
+        if (status == KN_OK) status = kn_shell_limit_degree(ctx, &highest, s);
+        if (status == KN_OK) status = kn_refine_normal(ctx, s, &o, highest);
         if (status == KN_OK) status = kn_shell_set_boxes(ctx, s);
         if (status == KN_OK) kn_shell_open_seams(s);
     }

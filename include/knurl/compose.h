@@ -93,8 +93,9 @@ KN_API KN_CHECKED kn_status kn_compose_piece(kn_ctx *ctx, kn_bezier *out, const 
 // The matrix of one tile patch for one pair of degrees: row q, column a*(degree_v+1)+b holds Bernstein coefficient q
 // of B_a(u(x)) B_b(v(x)) w(x)^power in degrees rows_degree. It depends on the tile alone: M times the control points
 // of term[power] of any cell gives what that term contributes to the composed patch.
-// in:     tile: a curve, surface or volume of components (u, v, w), polynomial; rows_degree[d] >= tile.degree[d]
-//         (degree[0] + degree[1] + power), tile.nvars of them.
+// in:     tile: a curve, surface or volume of components (u, v, w), polynomial; rows_degree, tile.nvars of them:
+//         rows_degree[d] >= u_d degree[0] + v_d degree[1] + w_d power, where u_d is the least degree in variable d
+//         within which u is but for rounding (2^-48 of a cell, of w of its size; kn_bezier_least_degree), so for v, w.
 // out:    overwritten; ended by kn_compose_matrix_clear. In the unit cell with power 0: m >= 0, rows sum to 1. Rows
 //         on a face, an edge or a corner depend on that alone, bit for bit the same in every patch that has it.
 // fails:  KN_EDOMAIN shapes, degrees, KN_ELIMIT degree > KN_MAX_DEGREE, KN_ENOMEM; out unchanged.

@@ -253,7 +253,7 @@ static void failures(void **state)
     (void)state;
     test_memory memory = TEST_MEMORY_INIT;
     kn_ctx *ctx = test_ctx(&memory, 1);
-    double c[64] = {0};
+    double c[64] = {[0] = 1, [4] = 1, [8] = 1}; // (1 - r)(1 - t) in each component
     kn_bezier tile = {.nvars = 2, .ncomp = 3, .degree = {1, 1}, .coef = c}, other = tile;
     kn_compose_matrix m = {.rows = 7};
     const int degree[2] = {2, 2}, rows[2] = {5, 5}, few[2] = {5, 4}, many[2] = {57, 5}, negative[2] = {2, -1};

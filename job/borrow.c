@@ -1,0 +1,314 @@
+// SPDX-License-Identifier: Apache-2.0
+// Edges that surfaces share: what is composed along them has one degree and the same control points, bit for bit.
+//
+// Two surfaces that go on over an edge have the same curve there, and the same normals, but for rounding: their cells
+// lie in other parameters, perhaps backwards, and N comes from other derivatives. So the one of lower number lends its
+// coefficients along the edge, term by term, to the other; and of all surfaces that meet in a corner, one lends that.
+#include "job/internal.h"
+
+#include <math.h>
+#include <string.h>
+
+static const double near = 1e-11; // what lent coefficients may differ by: relative to S's size, and to n
+
+static int root_of(const int *parent, int i)
+{
+    while (parent[i] != i) i = parent[i];
+    return i;
+}
+
+// The lower one of both roots stays a root.
+static void unite(int *parent, int a, int b)
+{
+    int x = root_of(parent, a), y = root_of(parent, b);
+    parent[x > y ? x : y] = x > y ? y : x;
+}
+
+// n is one polynomial over every cell, or there is none but what S has as knots.
+static bool has_whole_cells(const kn_job_surface *s)
+{
+    const kn_spline *n = kn_shell_normal(s->shell);
+    for (int v = 0; v < 2 && n->coef; v++)
+        for (int k = n->degree[v] + 1, i = 0; k < n->count[v]; k++) {
+            while (i < s->cells[v] && s->lines[v][i] < n->knots[v][k]) i++;
+            if (s->lines[v][i] != n->knots[v][k]) return false;
+        }
+    return true;
+}
+
+// The surface goes on over the edge with its w the same way up, not into itself.
+static bool may_share(const kn_job *job, int surface, int edge)
+{
+    const kn_job_surface *s = &job->surfaces[surface];
+    const kn_job_partner *p = &s->partner[edge];
+    if (p->edge < 0 || !p->goes_on || !p->single || kn_job_turns_over(edge, p) || s->closed[edge >> 1]) return false;
+    const kn_job_surface *other = &job->surfaces[p->edge / 4];
+    return kn_job_components(s) == kn_job_components(other) && has_whole_cells(s) && has_whole_cells(other);
+}
+
+kn_status kn_job_even_degrees(kn_ctx *ctx, int (*least)[2], bool *again, const kn_job *job)
+{
+    int n = 2 * job->nsurfaces;
+    kn_mark mark = kn_scratch_mark(ctx);
+    int *class_of = kn_scratch(ctx, (size_t)n, sizeof *class_of), *most = kn_scratch(ctx, (size_t)n, sizeof *most);
+    if (!class_of || !most) {
+        kn_scratch_release(ctx, mark);
+        return KN_ENOMEM;
+    }
+    for (int i = 0; i < n; i++) class_of[i] = i, most[i] = 0;
+    for (int s = 0; s < job->nsurfaces; s++)
+        for (int e = 0; e < 4; e++) {
+            int to = job->surfaces[s].partner[e].edge;
+            if (may_share(job, s, e)) unite(class_of, 2 * s + 1 - (e >> 1), 2 * (to / 4) + 1 - (to % 4 >> 1));
+        }
+    for (int i = 0; i < n; i++) {
+        const kn_spline *f = kn_shell_normal(job->surfaces[i / 2].shell);
+        int r = root_of(class_of, i);
+        if (f->coef && f->degree[i % 2] > most[r]) most[r] = f->degree[i % 2];
+    }
+    for (int i = 0; i < n; i++) {
+        int r = root_of(class_of, i);
+        const kn_spline *f = kn_shell_normal(job->surfaces[i / 2].shell),
+                        *g = kn_shell_normal(job->surfaces[r / 2].shell);
+        // of one degree, as many coefficients are as smooth across the cell lines
+        bool same = !f->coef || (f->degree[i % 2] == most[r] && f->count[i % 2] == g->count[r % 2]);
+        least[i / 2][i % 2] = most[r];
+        for (int k = 0; k < n && !same; k++) again[k / 2] = again[k / 2] || root_of(class_of, k) == r;
+    }
+    kn_scratch_release(ctx, mark);
+    return KN_OK;
+}
+
+// ---- rows of coefficients ----
+
+typedef struct row {
+    size_t first;
+    ptrdiff_t step;
+    size_t count;
+} row;
+
+static row row_of(const kn_bezier *f, int edge, bool backward)
+{
+    size_t m = (size_t)f->degree[0] + 1, n = (size_t)f->degree[1] + 1;
+    bool end = edge % 2 == 1;
+    row r = edge < 2 ? (row){end ? (m - 1) * n : 0, 1, n} : (row){end ? n - 1 : 0, (ptrdiff_t)n, m};
+    if (!backward) return r;
+    r.first += (size_t)r.step * (r.count - 1);
+    r.step = -r.step;
+    return r;
+}
+
+static double largest(const kn_bezier *f)
+{
+    double most = 0.0;
+    size_t n = (size_t)f->ncomp * kn_bezier_count(f);
+    for (size_t i = 0; i < n; i++) most = fmax(most, fabs(f->coef[i]));
+    return most;
+}
+
+// Lends the coefficients of a row, or only asks whether they are as near as they have to be.
+static bool lend(kn_bezier *to, row into, const kn_bezier *from, row of, bool ask)
+{
+    if (into.count != of.count || to->ncomp != from->ncomp) return false;
+    double *a = to->coef + into.first, slack = ask ? near * fmax(largest(to), largest(from)) : 0.0;
+    const double *b = from->coef + of.first;
+    for (size_t c = 0; c < (size_t)to->ncomp; c++, a += kn_bezier_count(to), b += kn_bezier_count(from))
+        for (ptrdiff_t k = 0; k < (ptrdiff_t)into.count; k++) {
+            if (ask && !(fabs(a[k * into.step] - b[k * of.step]) <= slack)) return false;
+            if (!ask) a[k * into.step] = b[k * of.step];
+        }
+    return true;
+}
+
+static kn_status piece_of(kn_ctx *ctx, kn_shell_piece *out, bool *fits, const kn_job *job, int surface,
+                          const int cell[2])
+{
+    static const double zero[2] = {0.0, 0.0}, one[2] = {1.0, 1.0};
+    const kn_job_surface *s = &job->surfaces[surface];
+    kn_status status = kn_shell_piece_init(ctx, out, fits, s->shell, cell, zero, one, s->degree_sum);
+    if (status == KN_OK && *fits && !out->exact) {
+        kn_shell_piece_clear(ctx, out);
+        *fits = false;
+    }
+    return status;
+}
+
+// The cell of a surface at a place along an edge.
+static void cell_at(int cell[2], const kn_job_surface *s, int edge, int along)
+{
+    cell[edge >> 1] = edge % 2 == 1 ? s->cells[edge >> 1] - 1 : 0;
+    cell[1 - (edge >> 1)] = along;
+}
+
+// Along edge `edge` of a surface to its piece of the cell there.
+static kn_status lend_edge(kn_ctx *ctx, bool *done, const kn_job *job, int surface, int edge, int along,
+                           kn_shell_piece *piece, bool ask)
+{
+    const kn_job_partner *p = &job->surfaces[surface].partner[edge];
+    const kn_job_surface *other = &job->surfaces[p->edge / 4];
+    int cell[2], f = p->edge % 4, n = other->cells[1 - (f >> 1)];
+    kn_shell_piece from = {0};
+    bool fits = false;
+    cell_at(cell, other, f, p->reversed ? n - 1 - along : along);
+    *done = false;
+    kn_status status = piece_of(ctx, &from, &fits, job, p->edge / 4, cell);
+    if (status != KN_OK || !fits) return status;
+    *done = from.nterms == piece->nterms;
+    for (int t = 0; t < piece->nterms && *done; t++)
+        *done = from.power[t] == piece->power[t] && lend(&piece->term[t], row_of(&piece->term[t], edge, false),
+                                                         &from.term[t], row_of(&from.term[t], f, p->reversed), ask);
+    kn_shell_piece_clear(ctx, &from);
+    return KN_OK;
+}
+
+// Corner k: bit 1 of it the end in u, bit 0 that in v.
+static row corner_of(const kn_bezier *f, int k)
+{
+    size_t n = (size_t)f->degree[1] + 1;
+    return (row){(k & 2 ? (size_t)f->degree[0] * n : 0) + (k & 1 ? n - 1 : 0), 1, 1};
+}
+
+static kn_status lend_corner(kn_ctx *ctx, const kn_job *job, int surface, int k, kn_shell_piece *piece)
+{
+    int lender = job->surfaces[surface].corner[k];
+    if (lender < 0) return KN_OK;
+    const kn_job_surface *other = &job->surfaces[lender / 4];
+    const int cell[2] = {lender & 2 ? other->cells[0] - 1 : 0, lender & 1 ? other->cells[1] - 1 : 0};
+    kn_shell_piece from = {0};
+    bool fits = false;
+    kn_status status = piece_of(ctx, &from, &fits, job, lender / 4, cell);
+    if (status != KN_OK || !fits) return status;
+    bool good = from.nterms == piece->nterms;
+    for (int ask = 1; ask >= 0; ask--)
+        for (int t = 0; t < piece->nterms && good; t++)
+            good = lend(&piece->term[t], corner_of(&piece->term[t], k), &from.term[t],
+                        corner_of(&from.term[t], lender % 4), ask == 1);
+    kn_shell_piece_clear(ctx, &from);
+    return KN_OK;
+}
+
+// ---- who lends ----
+
+// Whether all cells along the edge can borrow from the other side.
+static kn_status can_borrow(kn_ctx *ctx, bool *yes, const kn_job *job, int surface, int edge)
+{
+    const kn_job_surface *s = &job->surfaces[surface];
+    kn_status status = KN_OK;
+    *yes = true;
+    for (int i = 0; i < s->cells[1 - (edge >> 1)] && *yes && status == KN_OK; i++) {
+        kn_shell_piece piece = {0};
+        int cell[2];
+        cell_at(cell, s, edge, i);
+        status = piece_of(ctx, &piece, yes, job, surface, cell);
+        if (status == KN_OK && *yes) status = lend_edge(ctx, yes, job, surface, edge, i, &piece, true);
+        kn_shell_piece_clear(ctx, &piece);
+    }
+    return status;
+}
+
+// The corner of a surface at the lower (0) or upper end of an edge.
+static int corner_at(int surface, int edge, int end)
+{
+    return 4 * surface + (edge < 2 ? 2 * (edge % 2) + end : 2 * end + edge % 2);
+}
+
+// All of a family compose with the largest factor that one of them has.
+static kn_status set_factor(kn_ctx *ctx, kn_job *job, const int *family)
+{
+    static const double zero[2] = {0.0, 0.0}, one[2] = {1.0, 1.0};
+    kn_status status = KN_OK;
+    for (int s = 0; s < job->nsurfaces && status == KN_OK; s++) {
+        kn_job_surface *to = &job->surfaces[s], *first = &job->surfaces[root_of(family, s)];
+        kn_shell_piece p = {0};
+        bool fits = false;
+        if (!has_whole_cells(to)) continue;
+        status = kn_shell_piece_outline(ctx, &p, &fits, to->shell, (const int[2]){0, 0}, zero, one, to->degree_sum);
+        for (int t = 0; status == KN_OK && fits && t < p.nterms; t++) {
+            int sum = p.term[t].degree[0] + p.term[t].degree[1] + p.power[t];
+            first->factor = sum > first->factor ? sum : first->factor;
+        }
+        if (status == KN_OK && fits) kn_shell_piece_clear(ctx, &p);
+    }
+    for (int s = 0; s < job->nsurfaces; s++)
+        job->surfaces[s].factor = has_whole_cells(&job->surfaces[s]) ? job->surfaces[root_of(family, s)].factor : 0;
+    return status;
+}
+
+kn_status kn_job_share_edges(kn_ctx *ctx, kn_job *job)
+{
+    int n = job->nsurfaces;
+    kn_mark mark = kn_scratch_mark(ctx);
+    int *family = kn_scratch(ctx, (size_t)n, sizeof *family),
+        *corner = kn_scratch(ctx, 4 * (size_t)n, sizeof *corner);
+    kn_status status = family && corner ? KN_OK : KN_ENOMEM;
+    for (int i = 0; status == KN_OK && i < 4 * n; i++) family[i / 4] = i / 4, corner[i] = i;
+    for (int s = 0; s < n && status == KN_OK; s++)
+        for (int e = 0; e < 4 && status == KN_OK; e++) {
+            kn_job_surface *to = &job->surfaces[s];
+            const kn_job_partner *p = &to->partner[e];
+            if (p->edge >= 4 * s + e || !may_share(job, s, e)) continue;
+            status = can_borrow(ctx, &to->borrows[e], job, s, e);
+            if (status != KN_OK || !to->borrows[e]) continue;
+            unite(family, s, p->edge / 4);
+            for (int end = 0; end < 2; end++)
+                unite(corner, corner_at(s, e, end), corner_at(p->edge / 4, p->edge % 4, p->reversed ? 1 - end : end));
+        }
+    for (int s = 0; s < n && status == KN_OK; s++)
+        for (int v = 0; v < 2; v++)
+            for (int end = 0; end < 2 && job->surfaces[s].closed[v]; end++)
+                unite(corner, corner_at(s, 2 * v, end), corner_at(s, 2 * v + 1, end));
+    for (int i = 0; i < 4 * n && status == KN_OK; i++)
+        job->surfaces[i / 4].corner[i % 4] = root_of(corner, i) == i ? -1 : root_of(corner, i);
+    if (status == KN_OK) status = set_factor(ctx, job, family);
+    kn_scratch_release(ctx, mark);
+    return status;
+}
+
+// ---- to the pieces of a cell ----
+
+// Which edges and corners of the surface the cell lies at; false: none at which it borrows.
+static bool find_ends(bool edge[4], bool corner[4], const kn_job_surface *s, const int cell[2])
+{
+    bool any = false;
+    for (int e = 0; e < 4; e++) edge[e] = cell[e >> 1] == (e % 2 == 1 ? s->cells[e >> 1] - 1 : 0);
+    for (int k = 0; k < 4; k++) {
+        corner[k] = edge[k >> 1] && edge[2 + (k & 1)] && s->corner[k] >= 0;
+        any = any || corner[k];
+    }
+    for (int e = 0; e < 4; e++) {
+        edge[e] = edge[e] && s->borrows[e];
+        any = any || edge[e];
+    }
+    return any;
+}
+
+static void inside(int out[2], const kn_job_surface *s, const int cell[2])
+{
+    for (int v = 0; v < 2; v++) {
+        int n = s->cells[v];
+        out[v] = s->closed[v] ? (cell[v] % n + n) % n : cell[v];
+    }
+}
+
+bool kn_job_borrows(const kn_job *job, int surface, const int cell[2])
+{
+    bool edge[4], corner[4];
+    int at[2];
+    inside(at, &job->surfaces[surface], cell);
+    return find_ends(edge, corner, &job->surfaces[surface], at);
+}
+
+kn_status kn_job_borrow(kn_ctx *ctx, const kn_job *job, int surface, const int cell[2], kn_shell_piece *piece)
+{
+    const kn_job_surface *s = &job->surfaces[surface];
+    bool edge[4], corner[4], done;
+    int at[2];
+    kn_status status = KN_OK;
+    inside(at, s, cell);
+    if (!piece->exact || !piece->term[0].coef || !find_ends(edge, corner, s, at)) return KN_OK;
+    for (int e = 0; e < 4 && status == KN_OK; e++)
+        if (edge[e]) status = lend_edge(ctx, &done, job, surface, e, at[1 - (e >> 1)], piece, false);
+    for (int k = 0; k < 4 && status == KN_OK; k++)
+        if (corner[k]) status = lend_corner(ctx, job, surface, k, piece);
+    return status;
+}

@@ -1,0 +1,230 @@
+// SPDX-License-Identifier: Apache-2.0
+// Bodies that STEP files close, against bodies that are found by distance: which edges of composed patches lie in the
+// same place, and which patches hang together by them.
+#include "tests/support/scene.h"
+#include "tests/support/surfaces.h"
+#include "tests/support/support.h"
+
+#include <knurl/io.h>
+#include <knurl/step.h>
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { PLACES = 5 };
+
+// An edge of a face, by points on it, from the end that comes first; what is the same edge differs by rounding and by
+// what the base's edges do, 1e-6 of its size, which is far below the length of any edge here.
+typedef struct edge {
+    double at[PLACES][3];
+    size_t face;
+    double key;
+    bool mated, crowded;
+} edge;
+
+typedef struct edges {
+    edge *list;
+    size_t n, room, nfaces;
+    size_t *parent;
+} edges;
+
+static double apart(const double *p, const double *q)
+{
+    return fmax(fabs(p[0] - q[0]), fmax(fabs(p[1] - q[1]), fabs(p[2] - q[2])));
+}
+
+static void add_edges(kn_ctx *ctx, edges *e, const kn_patch *face, double same)
+{
+    if (e->n + 4 > e->room) {
+        e->room = 2 * e->room + 64;
+        e->list = realloc(e->list, e->room * sizeof *e->list);
+        assert_non_null(e->list);
+    }
+    for (int k = 0; k < 4; k++) {
+        edge *to = &e->list[e->n];
+        *to = (edge){.face = e->nfaces};
+        double length = 0;
+        for (int i = 0; i < PLACES; i++) {
+            double x[2];
+            x[k / 2] = k % 2, x[1 - k / 2] = (double)i / (PLACES - 1);
+            assert_int_equal(kn_bezier_eval(ctx, to->at[i], &face->bezier, x), KN_OK);
+            length = fmax(length, apart(to->at[i], to->at[0]));
+        }
+        to->key = 0.536 * to->at[2][0] + 0.312 * to->at[2][1] + 0.152 * to->at[2][2];
+        if (length > same) e->n++; // else it is a point
+    }
+    e->nfaces++;
+}
+
+static int compare_edges(const void *a, const void *b)
+{
+    const edge *x = a, *y = b;
+    return (x->key > y->key) - (x->key < y->key);
+}
+
+static size_t root(const size_t *parent, size_t i)
+{
+    while (parent[i] != i) i = parent[i];
+    return i;
+}
+
+static bool same_edge(const edge *a, const edge *b, double same)
+{
+    for (int way = 0; way < 2; way++) {
+        bool yes = true;
+        for (int i = 0; i < PLACES && yes; i++) yes = apart(a->at[i], b->at[way ? PLACES - 1 - i : i]) <= same;
+        if (yes) return true;
+    }
+    return false;
+}
+
+// *closed: bodies each of whose edges two faces have; *open: the others.
+static void count_bodies(edges *e, double same, size_t *closed, size_t *open)
+{
+    e->parent = malloc((e->nfaces + 1) * sizeof *e->parent);
+    bool *torn = calloc(e->nfaces + 1, sizeof *torn);
+    assert_true(e->parent && torn);
+    for (size_t i = 0; i < e->nfaces; i++) e->parent[i] = i;
+    qsort(e->list, e->n, sizeof *e->list, compare_edges);
+    for (size_t i = 0; i < e->n; i++)
+        for (size_t j = i + 1; j < e->n && e->list[j].key - e->list[i].key <= same; j++) {
+            if (!same_edge(&e->list[i], &e->list[j], same)) continue;
+            e->list[i].crowded = e->list[i].crowded || e->list[i].mated;
+            e->list[j].crowded = e->list[j].crowded || e->list[j].mated;
+            e->list[i].mated = e->list[j].mated = true;
+            e->parent[root(e->parent, e->list[i].face)] = root(e->parent, e->list[j].face);
+        }
+    for (size_t i = 0; i < e->n; i++)
+        if (!e->list[i].mated || e->list[i].crowded) torn[root(e->parent, e->list[i].face)] = true;
+    *closed = *open = 0;
+    for (size_t i = 0; i < e->nfaces; i++)
+        if (e->parent[i] == i) ++*(torn[i] ? open : closed);
+    free(e->parent), free(torn);
+}
+
+static size_t count_of(const char *text, const char *what)
+{
+    size_t n = 0;
+    for (const char *at = text; (at = strstr(at, what)); at += strlen(what)) n++;
+    return n;
+}
+
+typedef struct base {
+    const char *name;
+    void (*make)(kn_ctx *ctx, kn_spline *out); // NULL: patches of the teapot
+    int count[2], patches[4], n;
+} base;
+
+static void make_bent(kn_ctx *ctx, kn_spline *out)
+{
+    scene_bicubic(ctx, out, 0.2);
+}
+
+// Its body goes round in two rings of four patches: halves of both.
+static const base BASES[] = {
+    {"bicubic", make_bent, {3, 2}, {0}, 1},      {"part of a torus", scene_torus, {3, 2}, {0}, 1},
+    {"cylinder", make_cylinder, {4, 2}, {0}, 1}, {"torus", make_torus, {4, 4}, {0}, 1},
+    {"teapot", NULL, {2, 2}, {4, 5, 8, 9}, 4},
+};
+
+static kn_job *make_job(kn_ctx *ctx, const base *b, const char *name)
+{
+    kn_tile tile = {0};
+    kn_job *job = NULL;
+    kn_spline s[4] = {{0}};
+    kn_job_options o = kn_job_defaults();
+    o.count[0] = b->count[0], o.count[1] = b->count[1];
+    o.max_degree = KN_MAX_DEGREE, o.height = 0.05, o.normal_tol = 1e-3; // which keeps degrees low
+    for (int i = 0; i < b->n; i++) {
+        if (b->make) b->make(ctx, &s[i]);
+        if (!b->make && !make_teapot(ctx, &s[i], b->patches[i])) fail_msg("data/teapot.bpt is not there");
+    }
+    assert_int_equal(kn_builtin_tile(ctx, &tile, name), KN_OK);
+    if (kn_job_create(ctx, &job, s, b->n, &tile, &o) != KN_OK) fail_msg("%s: %s", name, kn_ctx_message(ctx));
+    kn_tile_clear(ctx, &tile);
+    for (int i = 0; i < b->n; i++) kn_spline_clear(ctx, &s[i]);
+    return job;
+}
+
+static void add_faces(kn_ctx *ctx, edges *e, const scene_result *r, double same)
+{
+    for (size_t i = 0; i < r->count; i++) {
+        const kn_patch *p = &r->patches[i];
+        int nvars = kn_patch_nvars(p);
+        if (nvars == 2) add_edges(ctx, e, p, same);
+        for (int f = 0; f < 6 && nvars == 3; f++) {
+            kn_patch face = {0};
+            if (p->hidden >> f & 1) continue;
+            assert_int_equal(kn_patch_face(ctx, &face, p, f), KN_OK);
+            add_edges(ctx, e, &face, same);
+            kn_bezier_clear(ctx, &face.bezier);
+        }
+    }
+}
+
+// What the file closes is what distance says is closed; answers how many bodies that are, and *open how many are not.
+static size_t check(kn_ctx *ctx, size_t *open, const base *b, const char *name)
+{
+    char path[TEST_PATH_BYTES];
+    test_tmp_path(path, "closed.step");
+    kn_job *job = make_job(ctx, b, name);
+    kn_sink sink = {0};
+    scene_result r = {0};
+    edges e = {0};
+    size_t closed;
+    assert_int_equal(kn_step_sink(ctx, &sink, path, NULL), KN_OK);
+    if (kn_job_run(ctx, job, &sink, 1) != KN_OK) fail_msg("%s", kn_ctx_message(ctx));
+    kn_sink_close(ctx, &sink);
+    char *text = test_read_file(path, NULL);
+    assert_non_null(text);
+    scene_run(ctx, job, &r);
+    add_faces(ctx, &e, &r, 1e-6);
+    count_bodies(&e, 1e-6, &closed, open);
+    size_t solids = count_of(text, "=MANIFOLD_SOLID_BREP("), shells = count_of(text, "OPEN_SHELL(");
+    if (solids != closed || shells != *open)
+        fail_msg("%s over %s: %zu bodies of %zu are closed, and %zu of %zu open", name, b->name, solids, closed,
+                 shells, *open);
+    free(e.list), free(text);
+    scene_result_clear(&r);
+    kn_job_destroy(ctx, job);
+    return closed;
+}
+
+// Covering tiles over what is closed both ways are one body; of chain each ring and each link is one, a bird is alone.
+static void check_one(kn_ctx *ctx, const base *b, const char *name)
+{
+    static const char *const covering[] = {"scale",    "thorn",   "knurl", "bump",
+                                           "straight", "hexagon", "studs", "brick"};
+    size_t open, cells = (size_t)(b->count[0] * b->count[1] * b->n), closed = check(ctx, &open, b, name);
+    bool torus = b->make == make_torus;
+    for (size_t k = 0; k < sizeof covering / sizeof *covering; k++)
+        if (strcmp(name, covering[k]) == 0) assert_true(closed == torus && open == !torus);
+    if (strcmp(name, "chain") == 0) assert_true(torus ? closed == 3 * cells && open == 0 : closed > cells);
+    if (strcmp(name, "bird") == 0) assert_true(closed == cells && open == 0);
+    if (strcmp(name, "cross") == 0) assert_true(closed == 1 && open == 0);
+}
+
+// A few on each base; all of them with KN_TEST_SCALE=10 and more.
+static void bodies_close(void **state)
+{
+    (void)state;
+    static const char *const tiles[] = {"knurl", "straight", "cross", "studs", "hexagon", "brick", "bump",
+                                        "scale", "thorn",    "chain", "bird",  "rope",    "knit",  "wicker1"};
+    enum { NTILES = sizeof tiles / sizeof *tiles, CHEAP = 4 };
+    test_memory memory = TEST_MEMORY_INIT;
+    kn_ctx *ctx = test_ctx(&memory, 1);
+    bool all = test_scale(1) >= 10;
+    for (size_t b = 0; b < sizeof BASES / sizeof *BASES; b++)
+        for (size_t k = 0; k < NTILES; k++)
+            if (all || k == b % CHEAP || k == 2 - 2 * (b % 2) || (b == 0 && k >= CHEAP && k % 3 == 0))
+                check_one(ctx, &BASES[b], tiles[k]);
+    test_ctx_end(ctx, &memory);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {cmocka_unit_test(bodies_close)};
+    return cmocka_run_group_tests_name("job/closed", tests, NULL, NULL);
+}
