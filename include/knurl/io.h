@@ -134,6 +134,27 @@ KN_API KN_CHECKED kn_status kn_run_with_journal(kn_ctx *ctx, const kn_job *const
                                                 int nsinks, const char *journal, bool resume, double seconds,
                                                 uint64_t identity);
 
+// ---- fewer faces ----
+typedef struct kn_merge_options {
+    double tolerance; // > 0, length units: what merging may move
+    int cells;        // in each direction that a surface may take patches from; 0: 4; at most 64
+} kn_merge_options;
+typedef struct kn_merge_summary {
+    size_t patches, faces, merged; // that came, that went on, and those of these that stand for several
+    double error;                  // certified: no point moved further, at equal parameters of the pieces
+    size_t c2;                     // merged ones that are C2 in both directions; the others are C1
+} kn_merge_summary;
+// A sink before n others that puts one surface in the place of patches of one tile part, over up to cells x cells
+// cells, where they form a grid, joined bit for bit along their edges (kn_patch.edge, or their ends), of equal degrees,
+// and C1 or C2 across all seams within the tolerance; other patches, trimmed ones, curves, volumes and meshes go on as
+// they are, in another order. A merged patch has the first one's name; its edges (kn_patch.edge) are those of the
+// patches one after the other, so that a neighbour of the same length has the same.
+// in:     sinks, summary: as kn_limit_sink, which comes before this one where both are wanted.
+// fails:  KN_EDOMAIN options, n, sinks without commit; what the sinks answer. Not for journals (no save).
+// memory: the patches of `cells` columns of cells of one surface. The same patches for any number of threads.
+KN_API KN_CHECKED kn_status kn_merge_sink(kn_ctx *ctx, kn_sink *out, const kn_sink *sinks, int n,
+                                          const kn_merge_options *options, kn_merge_summary *summary);
+
 // ---- what no job composed, through the same sinks ----
 
 // Sends patches to sinks as a job would: begin, blocks in order, end. The sinks are not closed.
