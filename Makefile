@@ -66,7 +66,7 @@ LIBS_cairo := -lcairo
 HEADER_occt := opencascade/Standard_Version.hxx
 CPP_occt := -isystem /usr/include/opencascade
 LIBS_occt := -lTKXDESTEP -lTKXDEIGES -lTKIGES -lTKXCAF -lTKLCAF -lTKCAF -lTKVCAF -lTKCDF -lTKSTEP -lTKSTEP209 -lTKSTEPAttr -lTKSTEPBase -lTKXSBase \
-  -lTKShHealing -lTKBO -lTKTopAlgo -lTKGeomAlgo -lTKBRep -lTKGeomBase -lTKG3d -lTKG2d -lTKMath -lTKernel
+  -lTKShHealing -lTKFillet -lTKPrim -lTKBool -lTKBO -lTKTopAlgo -lTKGeomAlgo -lTKBRep -lTKGeomBase -lTKG3d -lTKG2d -lTKMath -lTKernel
 HEADER_lib3mf := lib3mf/Model/COM/NMR_DLLInterfaces.h
 CPP_lib3mf := -isystem /usr/include/lib3mf
 LIBS_lib3mf := -l3MF
@@ -259,7 +259,12 @@ $(B)/obj/bench/%.o: CPP += $(if $(filter sisl,$(FOUND)),-DKN_WITH_SISL=1)
 $(B)/bench/%: $(B)/obj/bench/%.c.o $(call objects,$(filter-out $(BENCH_MAIN),$(BENCH_SRC))) $(LIB)
 	@mkdir -p $(@D)
 	$(call say,LINK,$@)
-	$(Q)$(CC) $(ALL_LDFLAGS) -o $@ $^ $(if $(filter sisl,$(FOUND)),-lsisl -lstdc++) $(LIBS)
+	$(Q)$(CC) $(ALL_LDFLAGS) -o $@ $^ $(BENCH_LIBS) $(if $(filter sisl,$(FOUND)),-lsisl -lstdc++) $(LIBS)
+ifneq ($(filter occt,$(BRIDGES)),) # other writers of the same faces
+$(B)/obj/bench/exchange.c.o: CPP += -DKN_WITH_OCCT=1
+$(B)/bench/exchange: $(B)/libknurl_occt.a
+$(B)/bench/exchange: BENCH_LIBS = $(B)/libknurl_occt.a $(LIB) $(LIBS_occt) -lstdc++
+endif
 bench: benches
 	$(Q)for b in $(BENCHES); do echo "== $${b##*/}"; $$b || exit 1; done
 
