@@ -128,6 +128,7 @@ static kn_status turn_face(kn_ctx *ctx, joining *j, int face)
     static const int next[4] = {2, 3, 1, 0};
     kn_spline *s = &j->out->surfaces[face];
     kn_trim *trim = &j->out->trims[face];
+    j->out->turns[face] = (j->out->turns[face] + 1) % 4;
     kn_status status = kn_spline_permute(ctx, s, s, (const int[]){1, 0});
     if (status == KN_OK) status = kn_spline_reverse(ctx, s, s, 0);
     for (int i = 0; i < trim->ncurves; i++) {
@@ -422,7 +423,8 @@ static kn_status begin(kn_ctx *ctx, joining *j)
     j->parent = kn_scratch(ctx, 2 * n, sizeof *j->parent);
     j->turned = kn_scratch(ctx, 2 * n, sizeof *j->turned);
     j->corner = kn_scratch(ctx, 4 * n, sizeof *j->corner);
-    if (!j->out->surfaces || !j->out->trims || !j->parent || !j->turned || !j->corner) return KN_ENOMEM;
+    j->out->turns = kn_alloc_zero(ctx, n, sizeof *j->out->turns);
+    if (!j->out->surfaces || !j->out->trims || !j->out->turns || !j->parent || !j->turned || !j->corner) return KN_ENOMEM;
     j->out->n = j->n;
     for (int d = 0; d < 2 * j->n; d++) j->parent[d] = d, j->turned[d] = false;
     for (int c = 0; c < 4 * j->n; c++) j->corner[c] = c;
@@ -488,6 +490,7 @@ void kn_cad_joined_clear(kn_ctx *ctx, kn_cad_joined *joined)
     }
     kn_free(ctx, joined->surfaces);
     kn_free(ctx, joined->trims);
+    kn_free(ctx, joined->turns);
     kn_free(ctx, joined->seams);
     *joined = (kn_cad_joined){0};
 }

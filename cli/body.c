@@ -71,6 +71,7 @@ typedef struct reading {
     const int *face;
     int nfaces; // of all shells so far
     int nseeds;
+    size_t nchains; // answered, in the order of the request
 } reading;
 
 static bool is_word(const reading *r, const char *word)
@@ -121,13 +122,6 @@ static kn_status read_face(reading *r)
     return status;
 }
 
-static const cli_body_chain *find_chain(const reading *r, int edge)
-{
-    for (size_t i = 0; r->plan && i < r->plan->nchains; i++)
-        if (r->plan->chains[i].edge == edge) return &r->plan->chains[i];
-    return NULL;
-}
-
 static kn_status read_seed(reading *r, const cli_body_chain *chain, const cli_border_edge *e)
 {
     uint32_t number = 0, vertex[2] = {0}, along = 0;
@@ -149,8 +143,9 @@ static kn_status read_edge(reading *r)
 {
     int edge = 0, n = 0;
     kn_status status = kn_scan_int(&r->scan, &edge, "edge", 0, INT32_MAX);
-    const cli_body_chain *chain = status == KN_OK ? find_chain(r, edge) : NULL;
-    if (status == KN_OK && !chain) return kn_scan_fail_word(&r->scan, "edge", "one that was not asked for");
+    const cli_body_chain *chain = r->plan && r->nchains < r->plan->nchains ? &r->plan->chains[r->nchains++] : NULL;
+    if (status == KN_OK && (!chain || chain->edge != edge))
+        return kn_scan_fail_word(&r->scan, "edge", "not the one that was asked for");
     if (status == KN_OK) status = kn_scan_int(&r->scan, &n, "number of parts", (int)chain->n, (int)chain->n);
     if (status != KN_OK) return status;
     kn_step_seed *seeds = kn_resize(r->ctx, r->body->seeds, (size_t)(r->nseeds + n), sizeof *seeds);
@@ -197,7 +192,7 @@ kn_status cli_body_parse(kn_ctx *ctx, cli_body *out, const char *name, char *tex
                          const cli_body_plan *plan, const int *face, int nsurfaces)
 {
     cli_body b = {.host.nsurfaces = nsurfaces};
-    reading r = {ctx, kn_scan_start(ctx, name, text, bytes), &b, plan, face, 0, 0};
+    reading r = {ctx, kn_scan_start(ctx, name, text, bytes), &b, plan, face, 0, 0, 0};
     b.shell_of = kn_alloc(ctx, (size_t)nsurfaces, sizeof *b.shell_of);
     for (int s = 0; b.shell_of && s < nsurfaces; s++) b.shell_of[s] = -1;
     kn_status status = b.shell_of ? read_answer(&r) : KN_ENOMEM;

@@ -22,9 +22,10 @@ typedef struct cli_body_plan {
 } cli_body_plan;
 
 // Which edges of the model the texture's border meets. face: of the model, for each of the base's surfaces (-1: none);
+// turn: its quarter turns against that (NULL: none is turned);
 // the border is sorted, and holds those of all layers. out: what holds before stays in it; cli_body_plan_clear.
-kn_status cli_body_plan_add(kn_ctx *ctx, cli_body_plan *out, const kn_cad *cad, const int *face, int nsurfaces,
-                            const cli_border *border);
+kn_status cli_body_plan_add(kn_ctx *ctx, cli_body_plan *out, const kn_cad *cad, const int *face, const int *turn,
+                            int nsurfaces, const cli_border *border);
 void cli_body_plan_clear(kn_ctx *ctx, cli_body_plan *plan);
 
 // What knurl-cad wrote, read; for kn_step_sink.

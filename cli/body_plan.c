@@ -10,44 +10,64 @@
 // Of parameters in [0,1]: ends of edges that are equal up to what trims are known to.
 static const double same = 1e-6;
 
+// The faces with a texture, and their surfaces.
+typedef struct textured {
+    const kn_cad *cad;
+    const int *face, *turn; // of each of n surfaces; turn NULL: none is turned
+    int n;
+    const cli_border *border;
+} textured;
+
+static int surface_of(const textured *t, int face)
+{
+    for (int s = 0; s < t->n; s++)
+        if (t->face[s] == face) return s;
+    return -1;
+}
+
 // ---- sides ----
 
-// Where curve k of a face lies: a side of its square, from a to b along it. false: along none.
-static bool side_of(const kn_cad_face *face, int k, int *side, double range[2])
+// Where the use k of an edge by the face of a surface lies: a side of the surface, from a to b along it.
+typedef struct use {
+    int surface, side;
+    double range[2];
+    const cli_border_edge *edges; // n of the border's
+    size_t n;
+} use;
+
+// false: along no side.
+static bool find_side(use *out, const textured *t, int surface, int k)
 {
-    const kn_spline *c = &face->trim.curves[k];
+    static const int next[4] = {2, 3, 1, 0}; // (u,v) -> (1 - v, u)
+    const kn_spline *c = &t->cad->faces[t->face[surface]].trim.curves[k];
     int n = c->count[0];
     for (int v = 0; v < 2; v++) {
         const double *x = c->coef + v * n, *y = c->coef + (1 - v) * n;
         bool on = x[0] == 0.0 || x[0] == 1.0;
         for (int i = 1; i < n && on; i++) on = x[i] == x[0];
         if (!on) continue;
-        *side = 2 * v + (x[0] == 1.0);
-        range[0] = fmin(y[0], y[n - 1]), range[1] = fmax(y[0], y[n - 1]);
+        *out = (use){surface, 2 * v + (x[0] == 1.0), {fmin(y[0], y[n - 1]), fmax(y[0], y[n - 1])}, NULL, 0};
+        for (int i = 0; t->turn && i < t->turn[surface]; i++) {
+            if (out->side < 2) { // along v, and then against u
+                double lo = 1.0 - out->range[1];
+                out->range[1] = 1.0 - out->range[0];
+                out->range[0] = lo;
+            }
+            out->side = next[out->side];
+        }
         return true;
     }
     return false;
 }
 
-// The border's edges within a range of a side.
-static size_t find_edges(const cli_border *b, int surface, int side, const double range[2],
-                         const cli_border_edge **first)
+static void find_edges(use *u, const cli_border *b)
 {
-    size_t n = 0;
     for (size_t i = 0; i < b->count; i++) {
         const cli_border_edge *e = &b->edges[i];
-        if (e->surface != surface || e->side != side) continue;
-        if (e->from < range[0] - same || e->to > range[1] + same) continue;
-        if (n++ == 0) *first = e;
+        if (e->surface != u->surface || e->side != u->side) continue;
+        if (e->from < u->range[0] - same || e->to > u->range[1] + same) continue;
+        if (u->n++ == 0) u->edges = e;
     }
-    return n;
-}
-
-static bool is_replaced(const cli_body_plan *plan, int face)
-{
-    for (int i = 0; i < plan->nreplaced; i++)
-        if (plan->replaced[i] == face) return true;
-    return false;
 }
 
 static const char *side_name(int side)
@@ -58,32 +78,30 @@ static const char *side_name(int side)
 
 // ---- sides beyond which a face stays ----
 
-// The edges are there one after the other and on the base, or plan->why says what is missing.
-static bool is_chain(cli_body_plan *plan, int face, int side, const double range[2], const cli_border_edge *e,
-                     size_t n)
+// The texture's edges are there one after the other and on the base; or why not.
+static bool is_chain(char *why, size_t room, const textured *t, const use *u)
 {
-    double at = range[0];
-    bool whole = n > 0;
-    for (size_t i = 0; i < n && whole; i++) {
-        whole = fabs(e[i].from - at) <= (i == 0 ? same : 1e-9);
-        at = e[i].to;
+    double at = u->range[0];
+    bool whole = u->n > 0, flat = true;
+    for (size_t i = 0; i < u->n && whole; i++) {
+        whole = fabs(u->edges[i].from - at) <= (i == 0 ? same : 1e-9);
+        at = u->edges[i].to;
+        flat = flat && u->edges[i].flat;
     }
-    whole = whole && fabs(at - range[1]) <= same;
-    bool flat = true;
-    for (size_t i = 0; i < n; i++) flat = flat && e[i].flat;
+    whole = whole && fabs(at - u->range[1]) <= same;
     if (whole && flat) return true;
     if (whole)
         snprintf(
-            plan->why, sizeof plan->why,
+            why, room,
             "the texture ends above face %d at %s, where another face goes on: give --taper, or a tile that comes "
             "down to the base there",
-            face, side_name(side));
+            t->face[u->surface], side_name(u->side));
     else
         snprintf(
-            plan->why, sizeof plan->why,
+            why, room,
             "the texture does not fill face %d to its edge at %s: a tile that ends along the lines between cells, "
             "or --border clip, would",
-            face, side_name(side));
+            t->face[u->surface], side_name(u->side));
     return false;
 }
 
@@ -99,77 +117,89 @@ static kn_status add_chain(kn_ctx *ctx, cli_body_plan *plan, const cli_body_chai
     return KN_OK;
 }
 
-// ---- sides that the texture goes over ----
-
-typedef struct mate {
-    kn_brep_key key;
-    int face;
-} mate;
-typedef struct mates {
-    mate *list;
-    size_t count;
-} mates;
-
-static int compare_mates(const void *a, const void *b)
+// Counterclockwise the boundary of a square runs up along v = 0 and u = 1; a face beyond it runs the other way.
+static kn_status add_use(kn_ctx *ctx, cli_body_plan *plan, int edge, const use *u)
 {
-    const mate *x = a, *y = b;
-    if (x->key.a != y->key.a) return x->key.a < y->key.a ? -1 : 1;
-    return (x->key.b > y->key.b) - (x->key.b < y->key.b);
+    return add_chain(ctx, plan, &(cli_body_chain){edge, u->surface, u->edges, u->n, u->side == 0 || u->side == 3});
 }
 
-// Each edge of the texture there belongs to two patches, bit for bit.
-static void check_mates(cli_body_plan *plan, mates *m)
+// ---- sides that the texture goes over ----
+
+static int compare_keys(const void *a, const void *b)
 {
-    if (m->count > 0) qsort(m->list, m->count, sizeof *m->list, compare_mates);
-    for (size_t i = 0; i < m->count && !plan->why[0]; i += 2)
-        if (i + 1 == m->count || compare_mates(&m->list[i], &m->list[i + 1]) != 0)
-            snprintf(
-                plan->why, sizeof plan->why,
-                "the texture of face %d does not join the one beyond its edge (or at its seam): a whole number of "
-                "cells round, equal cells, or --taper on each face make it close",
-                m->list[i].face);
+    const kn_brep_key *x = a, *y = b;
+    if (x->a != y->a) return x->a < y->a ? -1 : 1;
+    return (x->b > y->b) - (x->b < y->b);
+}
+
+// Both have the same edges, bit for bit.
+static kn_status are_joined(kn_ctx *ctx, bool *joined, const use *a, const use *b)
+{
+    kn_mark mark = kn_scratch_mark(ctx);
+    kn_brep_key *x = kn_scratch(ctx, a->n + b->n + 1, sizeof *x), *y = x ? x + a->n : NULL;
+    *joined = x && a->n == b->n && a->n > 0;
+    if (*joined) {
+        for (size_t i = 0; i < a->n; i++) x[i] = a->edges[i].key, y[i] = b->edges[i].key;
+        qsort(x, a->n, sizeof *x, compare_keys);
+        qsort(y, b->n, sizeof *y, compare_keys);
+        for (size_t i = 0; i < a->n && *joined; i++) *joined = compare_keys(&x[i], &y[i]) == 0;
+    }
+    kn_scratch_release(ctx, mark);
+    return x ? KN_OK : KN_ENOMEM;
+}
+
+// Where two textures do not go on over the edge between them, both have to lie on it.
+static kn_status look_between(kn_ctx *ctx, cli_body_plan *plan, const textured *t, int edge, const use *a,
+                              const use *b)
+{
+    char why[sizeof plan->why];
+    bool joined = false;
+    kn_status status = are_joined(ctx, &joined, a, b);
+    if (status != KN_OK || joined) return status;
+    if (a->n == b->n && is_chain(why, sizeof why, t, a) && is_chain(why, sizeof why, t, b)) {
+        status = add_use(ctx, plan, edge, a);
+        return status == KN_OK ? add_use(ctx, plan, edge, b) : status;
+    }
+    snprintf(plan->why, sizeof plan->why,
+             "the textures of faces %d and %d neither go on over the edge between them nor come down to it: --taper "
+             "makes them, and equal cells on both",
+             t->face[a->surface], t->face[b->surface]);
+    return KN_OK;
 }
 
 // ---- faces ----
 
-static kn_status look_at_curve(kn_ctx *ctx, cli_body_plan *plan, mates *inside, const kn_cad *cad, int face, int k,
-                               int surface, const cli_border *border)
+static kn_status look_at_curve(kn_ctx *ctx, cli_body_plan *plan, const textured *t, int surface, int k)
 {
-    const kn_cad_face *f = &cad->faces[face];
-    const kn_cad_edge *e = &cad->edges[f->edge[k]];
-    const cli_border_edge *first = NULL;
-    double range[2];
-    int side;
-    if (e->point || e->face[1] < 0 || !side_of(f, k, &side, range)) return KN_OK;
+    int face = t->face[surface], edge = t->cad->faces[face].edge[k];
+    const kn_cad_edge *e = &t->cad->edges[edge];
+    bool second = e->face[1] == face && e->curve[1] == k;
+    int other = second ? -1 : surface_of(t, e->face[1]);
+    use u, v;
+    if (e->point || e->face[1] < 0 || !find_side(&u, t, surface, k)) return KN_OK;
     if (e->more) {
         snprintf(plan->why, sizeof plan->why, "more than two faces meet at an edge of face %d", face);
         return KN_OK;
     }
-    size_t n = find_edges(border, surface, side, range, &first);
-    int other = e->face[0] == face ? e->face[1] : e->face[0];
-    if (is_replaced(plan, other)) {
-        for (size_t i = 0; i < n; i++) inside->list[inside->count++] = (mate){first[i].key, face};
-        return KN_OK;
+    if (second && surface_of(t, e->face[0]) >= 0) return KN_OK; // seen from the other side
+    if (second) other = -1;
+    find_edges(&u, t->border);
+    if (other >= 0 && find_side(&v, t, other, e->curve[1])) {
+        find_edges(&v, t->border);
+        return look_between(ctx, plan, t, edge, &u, &v);
     }
-    if (!is_chain(plan, face, side, range, first, n)) return KN_OK;
-    // Counterclockwise the boundary of a square runs up along v = 0 and u = 1. The face beyond runs the other way.
-    bool up = side == 2 || side == 1;
-    return add_chain(ctx, plan, &(cli_body_chain){f->edge[k], surface, first, n, !up});
+    return is_chain(plan->why, sizeof plan->why, t, &u) ? add_use(ctx, plan, edge, &u) : KN_OK;
 }
 
-kn_status cli_body_plan_add(kn_ctx *ctx, cli_body_plan *out, const kn_cad *cad, const int *face, int nsurfaces,
-                            const cli_border *border)
+kn_status cli_body_plan_add(kn_ctx *ctx, cli_body_plan *out, const kn_cad *cad, const int *face, const int *turn,
+                            int nsurfaces, const cli_border *border)
 {
-    mates inside = {0};
+    const textured t = {cad, face, turn, nsurfaces, border};
     if (!out->replaced) out->replaced = kn_alloc(ctx, (size_t)cad->nfaces, sizeof *out->replaced);
-    inside.list = kn_alloc(ctx, border->count, sizeof *inside.list);
-    kn_status status = out->replaced && inside.list ? KN_OK : KN_ENOMEM;
+    kn_status status = out->replaced ? KN_OK : KN_ENOMEM;
     for (int s = 0; s < nsurfaces && status == KN_OK; s++) {
         if (face[s] < 0) continue;
-        if (is_replaced(out, face[s]))
-            snprintf(out->why, sizeof out->why, "two textures are on face %d", face[s]);
-        else
-            out->replaced[out->nreplaced++] = face[s];
+        out->replaced[out->nreplaced++] = face[s];
         if (!cad->faces[face[s]].whole)
             snprintf(out->why, sizeof out->why, "face %d is trimmed: its edges are no parameter lines of it",
                      face[s]);
@@ -179,9 +209,7 @@ kn_status cli_body_plan_add(kn_ctx *ctx, cli_body_plan *out, const kn_cad *cad, 
                  "the texture is cut off at the ends of its faces, and not along its tiles");
     for (int s = 0; s < nsurfaces && status == KN_OK && !out->why[0]; s++)
         for (int k = 0; face[s] >= 0 && k < cad->faces[face[s]].trim.ncurves && status == KN_OK && !out->why[0]; k++)
-            status = look_at_curve(ctx, out, &inside, cad, face[s], k, s, border);
-    if (status == KN_OK && !out->why[0]) check_mates(out, &inside);
-    kn_free(ctx, inside.list);
+            status = look_at_curve(ctx, out, &t, s, k);
     return status;
 }
 

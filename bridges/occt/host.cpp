@@ -213,7 +213,8 @@ void put_number(kn_text *out, unsigned n)
     kn_text_integer(out, n);
 }
 
-void put_parts(kn_ctx *ctx, kn_text *out, written *w, const step_text &text, const split &s)
+void put_parts(kn_ctx *ctx, kn_text *out, written *w, const step_text &text, const split &s,
+               std::vector<unsigned> *numbers)
 {
     kn_text_put(out, "edge");
     put_number(out, static_cast<unsigned>(s.edge));
@@ -223,6 +224,7 @@ void put_parts(kn_ctx *ctx, kn_text *out, written *w, const step_text &text, con
         std::vector<unsigned> refs = text.references(edge);
         if (text.name(edge) != "EDGE_CURVE" || refs.size() < 3)
             check(kn_fail(ctx, KN_EUNDECIDED, "OCCT wrote no curve of a part of edge %d", s.edge));
+        numbers->push_back(edge);
         unsigned ends[2] = {refs[0], refs[1]};
         unsigned from = w->number_of(p.vertex[p.along ? 0 : 1]);
         if (from != 0 && from != ends[0])
@@ -269,8 +271,9 @@ void answer(kn_ctx *ctx, kn_text *out, const request &r, written *w, const std::
         put_number(out, static_cast<unsigned>(r.faces[i])), put_number(out, static_cast<unsigned>(home[i]));
         kn_text_newline(out);
     }
-    for (const split &s : r.splits) put_parts(ctx, out, w, text, s);
-    text.remove(replaced, hidden);
+    std::vector<unsigned> stay = hidden; // edges between two replaced faces, too
+    for (const split &s : r.splits) put_parts(ctx, out, w, text, s, &stay);
+    text.remove(replaced, stay);
     std::string lines = text.lines(hidden);
     kn_text_put(out, "entities");
     put_number(out, text.numbers());

@@ -72,6 +72,30 @@ void find_sites(std::vector<site> &sites, bool *along, const TopoDS_Edge &edge, 
             throw split_error("an edge does not end at " + where(points[end == 0 ? 0 : n - 1]));
 }
 
+// The same, from the other end.
+void turn(std::vector<part> &list)
+{
+    std::reverse(list.begin(), list.end());
+    for (part &p : list) {
+        std::swap(p.vertex[0], p.vertex[1]);
+        p.along = !p.along;
+    }
+}
+
+// For another face: the parts that there are, if they are these. known: along the edge.
+void cut_again(const std::vector<part> &known, const std::vector<gp_Pnt> &points, bool along, double tolerance,
+               std::vector<part> &out)
+{
+    std::vector<part> list = known;
+    if (!along) turn(list);
+    bool same = 3 * list.size() + 1 == points.size();
+    for (size_t i = 0; i < list.size() && same; i++)
+        for (size_t k = 0; k < 2; k++)
+            same = same && BRep_Tool::Pnt(list[i].vertex[k]).Distance(points[3 * (i + k)]) <= tolerance;
+    if (!same) throw split_error("the textures on both sides of an edge do not meet: give both the same cells there");
+    out = list;
+}
+
 } // namespace
 
 void splitter::cut(const TopoDS_Edge &given, const std::vector<gp_Pnt> &points, double tolerance,
@@ -82,8 +106,10 @@ void splitter::cut(const TopoDS_Edge &given, const std::vector<gp_Pnt> &points, 
     bool along = true;
     find_sites(sites, &along, edge, points, tolerance, &widest);
     const size_t n = (points.size() - 1) / 3;
-    if (parts.IsBound(plain(edge))) throw split_error("an edge is cut twice");
-
+    if (const std::vector<part> *known = done.Seek(plain(edge))) {
+        cut_again(*known, points, along, tolerance, out);
+        return;
+    }
     BRep_Builder builder;
     TopoDS_Vertex ends[2];
     TopExp::Vertices(edge, ends[0], ends[1]);
@@ -111,6 +137,9 @@ void splitter::cut(const TopoDS_Edge &given, const std::vector<gp_Pnt> &points, 
         list[along ? i : n - 1 - i] = plain(part);
     }
     if (n > 1) parts.Bind(plain(edge), list);
+    std::vector<part> known = out;
+    if (!along) turn(known);
+    done.Bind(plain(edge), known);
 }
 
 TopoDS_Shape splitter::build(const TopoDS_Shape &shape)

@@ -32,7 +32,8 @@ class splitter
   public:
     // Points 0, 3, 6 .. along the edge, either way, from one end to the other, are where the parts begin and end, the
     // two between lie on them, in their order; all within the tolerance of the edge. Parts have the edge's own curve;
-    // a single one is the edge itself. Throws split_error.
+    // a single one is the edge itself. An edge that is cut again, from its other face, is to be cut at the same places.
+    // Throws split_error.
     void cut(const TopoDS_Edge &edge, const std::vector<gp_Pnt> &points, double tolerance, std::vector<part> &out);
     // What a shape has become.
     TopoDS_Shape apply(const TopoDS_Shape &shape);
@@ -48,6 +49,7 @@ class splitter
     double widest = 0.0;
     TopoDS_Shape build(const TopoDS_Shape &shape);
     NCollection_DataMap<TopoDS_Shape, std::vector<TopoDS_Shape>, TopTools_ShapeMapHasher> parts; // by the whole edge
+    NCollection_DataMap<TopoDS_Shape, std::vector<part>, TopTools_ShapeMapHasher> done;          // likewise, along it
     NCollection_DataMap<TopoDS_Shape, TopoDS_Shape, TopTools_ShapeMapHasher> made;
 };
 

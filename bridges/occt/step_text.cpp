@@ -188,7 +188,7 @@ void step_text::remove(const std::vector<unsigned> &numbers, const std::vector<u
         for (unsigned user : users[n])
             if (!entities[user].empty() && !stays[user] && !cut(entities[user], n)) left.push_back(user);
         for (const mention &m : mentions(text))
-            if (m.number < entities.size() && --uses[m.number] == 0) left.push_back(m.number);
+            if (m.number < entities.size() && --uses[m.number] == 0 && !stays[m.number]) left.push_back(m.number);
     }
 }
 

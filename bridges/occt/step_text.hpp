@@ -15,7 +15,7 @@ class step_text
     // The DATA section of an ISO 10303-21 file; nothing is thrown away yet.
     explicit step_text(const std::string &file);
     // Takes entities out: lists lose them, what needs them goes, too, and what nobody else uses; those that stay are
-    // left as they are.
+    // left as they are, whether they are used or not.
     void remove(const std::vector<unsigned> &numbers, const std::vector<unsigned> &stay);
     // "#n=..;" line by line of what is left, less `hidden` ones.
     std::string lines(const std::vector<unsigned> &hidden) const;

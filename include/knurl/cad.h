@@ -117,6 +117,7 @@ typedef struct kn_cad_seam {
 typedef struct kn_cad_joined {
     kn_spline *surfaces;
     kn_trim *trims; // empty where a face is the whole of its surface
+    int *turns;     // 0 .. 3 quarter turns of each from the model's face, (u,v) -> (1 - v, u)
     int n;
     kn_cad_seam *seams; // of all edges between two different ones of the faces
     int nseams;
