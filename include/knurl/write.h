@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Streaming writers of exact patches: GoTools, IRIT, OBJ surfaces, VTK. (STL, OBJ triangles: io.h; STEP: step.h; IGES: iges.h.)
+// Streaming writers of exact patches: GoTools, IRIT, OBJ surfaces, VTK, MFEM, POV-Ray. (STL, OBJ triangles: io.h; STEP: step.h; IGES: iges.h.)
 #ifndef KNURL_WRITE_H
 #define KNURL_WRITE_H
 
@@ -34,6 +34,19 @@ KN_API KN_CHECKED kn_status kn_obj_surfaces_sink(kn_ctx *ctx, kn_sink *out, cons
 // volumes from. Splines go out piece by piece, trimmed surfaces and meshes as triangles. error: rational points are
 // divided by their weights, pieces as kn_spline_to_bezier.
 KN_API KN_CHECKED kn_status kn_vtu_sink(kn_ctx *ctx, kn_sink *out, const char *path);
+
+// MFEM NURBS mesh (.mesh, v1.0): surfaces in space or volumes, each a patch with its knots and homogeneous control points.
+// Vertices are one where their coordinates are equal bit for bit, edges and faces where their vertices are. Attributes
+// of patches are 1 + part, of the boundary 1 + 2 variable + end.
+// fails:  at the end KN_EDOMAIN: patches of both kinds; an edge that is closed or a point; edges or faces between the
+//         same vertices with other control points; neighbours with other knots or degrees along a common variable;
+//         three patches at an edge of surfaces or at a face; a ring of patches that is twisted.
+// memory: about 1 KiB for each patch, until the end. Runs cannot be noted.
+KN_API KN_CHECKED kn_status kn_mfem_sink(kn_ctx *ctx, kn_sink *out, const char *path);
+// POV-Ray scene (.pov): polynomial surfaces of degrees up to 3 as bicubic patches, all else as triangles with normals,
+// curves as thin tubes; the materials of parts; a camera, lights and a floor that show all of it, z upwards.
+// error: nine digits.
+KN_API KN_CHECKED kn_status kn_pov_sink(kn_ctx *ctx, kn_sink *out, const char *path);
 
 #ifdef __cplusplus
 }
