@@ -46,6 +46,10 @@ void kn_iges_put_integer(kn_text *text, uint64_t n)
 
 void kn_iges_put_real(kn_text *text, double x)
 {
+    if (x == 0.0 || x == 1.0) { // knots and weights: half of all
+        put_token(text, x == 0.0 ? "0.," : "1.,", 3);
+        return;
+    }
     char token[KN_DECIMAL_BYTES + 1];
     size_t bytes = kn_decimal_iges(token, x);
     token[bytes++] = ',';

@@ -6,7 +6,7 @@
 #include <stdbool.h>
 #include <string.h>
 
-enum { TABLE_FIRST = -292, MAX_PLAIN_DIGITS = 17 };
+enum { TABLE_FIRST = -292, MAX_PLAIN_DIGITS = 17, DIGITS = 17 };
 
 // floor(log10(2^q)), or floor(log10(3/4 2^q)) for the first double of a binade; exact for |q| <= 1500.
 static int log10_of_power(int q, bool first)
@@ -109,21 +109,25 @@ size_t kn_decimal_integer(char *out, uint64_t n)
 }
 
 // Text of digits with `before` of them in front of the point; before may be 0 or -1 (0.0ddd), or above the number of
-// digits (ddd00).
+// digits (ddd00). Digits are copied as a whole block, whose end is then overwritten or not counted.
 static size_t write_plain(char *out, const char *digits, int n, int before, bool point)
 {
     char *at = out;
     if (before <= 0) {
         memcpy(at, "0.0", 3);
         at += 2 - before;
+        memcpy(at, digits, DIGITS);
+        return (size_t)(at - out) + (size_t)n;
     }
-    for (int i = 0; i < n; i++) {
-        if (i > 0 && i == before) *at++ = '.';
-        *at++ = digits[i];
+    memcpy(at, digits, DIGITS);
+    if (before < n) {
+        at[before] = '.';
+        memcpy(at + before + 1, digits + before, DIGITS);
+        return (size_t)n + 1;
     }
-    for (int i = n; i < before; i++) *at++ = '0';
-    if (point && before >= n) *at++ = '.';
-    return (size_t)(at - out);
+    for (int i = n; i < before; i++) at[i] = '0';
+    if (point) at[before++] = '.';
+    return (size_t)before;
 }
 
 static size_t write_exponent(char *out, const char *digits, int n, int exponent, char mark)
@@ -131,7 +135,7 @@ static size_t write_exponent(char *out, const char *digits, int n, int exponent,
     char *at = out;
     *at++ = digits[0];
     if (n > 1 || mark != 'e') *at++ = '.';
-    memcpy(at, digits + 1, (size_t)n - 1);
+    memcpy(at, digits + 1, DIGITS);
     at += n - 1;
     *at++ = mark;
     if (exponent < 0) *at++ = '-';
@@ -142,7 +146,7 @@ static size_t write_exponent(char *out, const char *digits, int n, int exponent,
 // mark: before the exponent. A decimal point always, but for 'e'.
 static size_t write_decimal(char *out, kn_decimal d, bool negative, char mark)
 {
-    char digits[KN_DECIMAL_BYTES];
+    char digits[2 * DIGITS] = {0};
     int n = (int)kn_decimal_integer(digits, d.digits), before = n + d.exponent;
     size_t sign = negative && d.digits != 0;
     out[0] = '-';

@@ -6,7 +6,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-enum { KN_DECIMAL_BYTES = 32 }; // room for the text of any double, or of any 64-bit integer
+enum { KN_DECIMAL_BYTES = 40 }; // room for the text of any double, or of any 64-bit integer
 
 // digits * 10^exponent; digits below 10^17 and not a multiple of ten, or zero.
 typedef struct kn_decimal {
