@@ -59,6 +59,18 @@ static kn_status open_vtu(kn_ctx *ctx, kn_sink *out, const char *path, const cli
     return kn_vtu_sink(ctx, out, path);
 }
 
+static kn_status open_mfem(kn_ctx *ctx, kn_sink *out, const char *path, const cli_output_options *o)
+{
+    (void)o;
+    return kn_mfem_sink(ctx, out, path);
+}
+
+static kn_status open_pov(kn_ctx *ctx, kn_sink *out, const char *path, const cli_output_options *o)
+{
+    (void)o;
+    return kn_pov_sink(ctx, out, path);
+}
+
 #if KN_WITH_TINYGLTF
 static kn_status open_gltf(kn_ctx *ctx, kn_sink *out, const char *path, const cli_output_options *o)
 {
@@ -70,8 +82,9 @@ static const writer writers[] = {
     {"step", open_step, 100, 1500, 0, 4000, true}, {"stp", open_step, 100, 1500, 0, 4000, true},
     {"igs", open_iges, 100, 2500, 0, 500, true},   {"iges", open_iges, 100, 2500, 0, 500, true},
     {"g2", open_g2, 58, 90, 0, 0, false},          {"itd", open_itd, 62, 70, 0, 20, false},
-    {"vtu", open_vtu, 50, 90, 0, 1500, false},
-    {"stl", open_stl, 0, 0, 50, 84, false},        {"obj", open_obj, 0, 0, 75, 500, false},
+    {"vtu", open_vtu, 50, 90, 0, 1500, false},     {"mesh", open_mfem, 60, 200, 0, 300, false},
+    {"pov", open_pov, 0, 100, 70, 1500, false},    {"stl", open_stl, 0, 0, 50, 84, false},
+    {"obj", open_obj, 0, 0, 75, 500, false},
 #if KN_WITH_TINYGLTF
     {"glb", open_gltf, 0, 0, 26, 2000, false},     {"gltf", open_gltf, 0, 0, 35, 3000, false},
 #endif
@@ -97,9 +110,9 @@ bool cli_writes_cad(const char *path)
 const char *cli_writable_endings(void)
 {
 #if KN_WITH_TINYGLTF
-    return ".step .stp .igs .iges .g2 .itd .vtu .stl .obj .glb .gltf";
+    return ".step .stp .igs .iges .g2 .itd .vtu .mesh .pov .stl .obj .glb .gltf";
 #else
-    return ".step .stp .igs .iges .g2 .itd .vtu .stl .obj (built without tinygltf: no .glb)";
+    return ".step .stp .igs .iges .g2 .itd .vtu .mesh .pov .stl .obj (built without tinygltf: no .glb)";
 #endif
 }
 

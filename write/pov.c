@@ -203,7 +203,7 @@ static void put_tail(kn_text *text, const kn_write_text *w)
     put_vector(text, any ? w->hi : none);
     kn_text_put(
         text, ";\n#declare Middle = (Low + High) / 2;\n#declare Size = vlength(High - Low);\n"
-              "camera {\n  location Middle + 1.9 * Size * vnormalize(<0.62, -1, 0.62>)\n"
+              "camera {\n  location Middle + 1.6 * Size * vnormalize(<0.62, -1, 0.62>)\n"
               "  sky z\n  up z\n  right -x * image_width / image_height\n  angle 33\n  look_at Middle\n}\n"
               "light_source {\n  Middle + Size * <1.2, -2.2, 3>, rgb 1.15\n"
               "  area_light x * Size * 0.7, y * Size * 0.7, 5, 5 adaptive 1 jitter circular orient\n}\n"
