@@ -53,4 +53,34 @@ typedef struct kn_job_border_memo {
 kn_status kn_job_border_cell(kn_ctx *ctx, kn_answer *out, kn_job_border_memo *memo, const kn_job *job, int surface,
                              const int cell[2]);
 
+// ---- border_cut.c ----
+// Regions of the [0,1]^2 of a part of a patch; an empty one is all of it.
+typedef struct kn_job_regions {
+    kn_trim *list;
+    int n;
+} kn_job_regions;
+void kn_job_regions_clear(kn_ctx *ctx, kn_job_regions *regions);
+// What of a region of D goes into the trimmed base, appended to an empty list: none where it lies beyond. The pieces
+// of x are there. plan->crossing, as far as the cuts are off.
+struct kn_crossing;
+kn_status kn_job_border_cut(kn_ctx *ctx, kn_job_regions *out, struct kn_crossing *x, const kn_trim *region);
+
+// ---- border_unite.c ----
+// Regions that lie side by side, along cuts that have the same points on both sides, become one; where that cannot be
+// done they stay what they are.
+kn_status kn_job_unite_regions(kn_ctx *ctx, kn_job_regions *regions);
+
+// ---- border_clip.c ----
+// Whether tiles are cut off at borders of trims.
+bool kn_job_clips_trims(const kn_job *job);
+// How d, in the coordinates of the place's cell, lies to the border of the place's surface: KN_UNKNOWN, it may cross.
+kn_status kn_job_border_of_patch(kn_ctx *ctx, kn_answer *out, const kn_job_cell_plan *plan, const kn_job_place *place,
+                                 const kn_bezier *d);
+// Whether a mesh of a part, placed in the plan's cell, lies in the region (*any is left as it is) or beyond (false);
+// one that may cross is refused.
+kn_status kn_job_border_of_mesh(kn_ctx *ctx, bool *any, const kn_job_cell_plan *plan, int part, const kn_mesh *mesh);
+// Appends what the border leaves of a leaf whose piece is there; leaf->trim is what there is of it without the border.
+kn_status kn_job_clip_leaf(kn_ctx *ctx, kn_job_cell_plan *plan, kn_job_leaf *leaf, const kn_job_place *place,
+                           const kn_bezier *d);
+
 #endif

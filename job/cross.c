@@ -1,7 +1,34 @@
 // SPDX-License-Identifier: Apache-2.0
 // Patches that cross knot lines of S, or ends of its domain that cut them off, and not along parameter lines of their
 // own.
+#include "job/border.h"
 #include "job/cross.h"
+
+// What is left of the part between the ends, by the way that was chosen.
+static kn_status make(kn_ctx *ctx, bool *crossed, kn_crossing *x)
+{
+    bool one_box = x->n[0] == 0 && x->n[1] == 0, trims = x->plan->job->options.crossing == KN_CROSSING_TRIM;
+    return x->d->nvars == 2 && (one_box || trims) ? kn_cross_trim(ctx, crossed, x) : kn_cross_fit(ctx, crossed, x);
+}
+
+// The same of what goes into the trimmed base.
+static kn_status make_trimmed(kn_ctx *ctx, bool *crossed, kn_crossing *x, kn_job_leaf *part)
+{
+    kn_job_regions regions = {0};
+    bool fit;
+    kn_status status = kn_crossing_pieces(ctx, &fit, x);
+    if (status != KN_OK || !fit) return status;
+    status = kn_job_border_cut(ctx, &regions, x, &part->trim);
+    *crossed = true;
+    for (int i = 0; status == KN_OK && *crossed && i < regions.n; i++) {
+        kn_trim_clear(ctx, &part->trim);
+        part->trim = regions.list[i];
+        regions.list[i] = (kn_trim){0};
+        status = make(ctx, crossed, x);
+    }
+    kn_job_regions_clear(ctx, &regions);
+    return status;
+}
 
 kn_status kn_job_cross(kn_ctx *ctx, bool *crossed, kn_job_cell_plan *plan, const kn_job_leaf *leaf,
                        const kn_job_place *place, const kn_bezier *d)
@@ -19,11 +46,12 @@ kn_status kn_job_cross(kn_ctx *ctx, bool *crossed, kn_job_cell_plan *plan, const
     kn_status status = KN_OK;
     if (kn_job_is_trimmed(plan, leaf)) status = kn_job_leaf_trim(ctx, &part.trim, &any, plan, leaf);
     if (status == KN_OK && any && clipped) status = kn_cross_clip(ctx, &fits, &any, &part.trim, &x);
+    kn_answer border = KN_YES;
+    if (status == KN_OK && any) status = kn_job_border_of_patch(ctx, &border, plan, place, d);
     if (status == KN_OK && !any)
         *crossed = true;
     else if (status == KN_OK && fits)
-        status = d->nvars == 2 && (one_box || way == KN_CROSSING_TRIM) ? kn_cross_trim(ctx, crossed, &x)
-                                                                       : kn_cross_fit(ctx, crossed, &x);
+        status = border == KN_UNKNOWN ? make_trimmed(ctx, crossed, &x, &part) : make(ctx, crossed, &x);
     kn_trim_clear(ctx, &part.trim);
     return status;
 }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Curves of the tile that cross knot lines: cut at the roots, exactly.
+#include "job/border.h"
 #include "job/cross.h"
 
 #include <knurl/solve.h>
@@ -10,6 +11,56 @@ static int compare(const void *a, const void *b)
 {
     double x = *(const double *)a, y = *(const double *)b;
     return (x > y) - (x < y);
+}
+
+// Appends where the curve meets the line of a segment, as near the segment as that is off the border.
+static kn_status cut_at_segment(kn_ctx *ctx, double *at, int *n, int room, const kn_crossing *x,
+                                const kn_job_segment *s, double off)
+{
+    kn_bezier part = {0};
+    kn_spline f = {0};
+    kn_root *roots = NULL;
+    size_t nroots = 0, count = kn_bezier_count(x->d);
+    double a = s->to[0] - s->from[0], b = s->to[1] - s->from[1], length = hypot(a, b);
+    kn_status status = kn_bezier_components(ctx, &part, x->d, 0, 1);
+    for (size_t i = 0; status == KN_OK && i < count; i++)
+        part.coef[i] = (a * (x->d->coef[count + i] - s->from[1]) - b * (x->d->coef[i] - s->from[0])) / length;
+    if (status == KN_OK) status = kn_spline_of_bezier(ctx, &f, &part);
+    if (status == KN_OK) status = kn_solve_roots(ctx, &roots, &nroots, NULL, &f, NULL);
+    for (size_t i = 0; status == KN_OK && i < nroots && *n < room; i++) {
+        double p[3];
+        status = kn_bezier_eval(ctx, p, x->d, roots[i].at);
+        double along = (a * (p[0] - s->from[0]) + b * (p[1] - s->from[1])) / length;
+        if (status == KN_OK && along >= -off && along <= length + off) at[(*n)++] = roots[i].at[0];
+    }
+    kn_free(ctx, roots);
+    kn_bezier_clear(ctx, &part);
+    kn_spline_clear(ctx, &f);
+    return status;
+}
+
+// The same of all segments of the border of a trim that are near.
+static kn_status cut_at_border(kn_ctx *ctx, double *at, int *n, int room, const kn_crossing *x)
+{
+    enum { MOST = 256 };
+    const kn_job *job = x->plan->job;
+    int surface = x->place->surface;
+    if (!kn_job_clips_trims(job) || !kn_job_is_bordered(job, surface)) return KN_OK;
+    double lo[2], hi[2], off = job->borders->surfaces[surface].off;
+    for (int d = 0; d < 2; d++) lo[d] = x->place->cell[d] + x->lo[d], hi[d] = x->place->cell[d] + x->hi[d];
+    kn_mark mark = kn_scratch_mark(ctx);
+    kn_job_segment *list = kn_scratch(ctx, MOST, sizeof *list);
+    size_t found = list ? kn_job_border_take(list, MOST, job, surface, lo, hi) : 0;
+    kn_status status = list ? KN_OK : KN_ENOMEM;
+    if (found > MOST)
+        status = kn_fail(ctx, KN_ELIMIT, "job: %zu segments of a border run over one curve of the tile, at most %d",
+                         found, MOST);
+    for (size_t i = 0; status == KN_OK && i < found; i++) {
+        for (int d = 0; d < 2; d++) list[i].from[d] -= x->place->cell[d], list[i].to[d] -= x->place->cell[d];
+        status = cut_at_segment(ctx, at, n, room, x, &list[i], off);
+    }
+    kn_scratch_release(ctx, mark);
+    return status;
 }
 
 // at[0 .. n - 1], sorted: where the curve meets a line, or an end at which it is cut off. Places nearer than 2^-40 to
@@ -33,6 +84,7 @@ static kn_status find_cuts(kn_ctx *ctx, double *at, int *n, int room, const kn_c
             for (size_t i = 0; i < nroots && *n < room; i++) at[(*n)++] = roots[i].at[0];
             kn_free(ctx, roots);
         }
+    if (status == KN_OK) status = cut_at_border(ctx, at, n, room, x);
     qsort(at, (size_t)*n, sizeof *at, compare);
     int kept = 0;
     for (int i = 0; i < *n; i++)
@@ -53,6 +105,12 @@ static kn_status find_box(kn_ctx *ctx, int box[2], bool *there, const kn_crossin
         *there = *there && status == KN_OK && p[c] >= x->end[c][0] && p[c] <= x->end[c][1];
         box[c] = 0;
         while (status == KN_OK && box[c] < x->n[c] && p[c] > x->line[c][box[c]]) box[c]++;
+    }
+    if (status == KN_OK && *there && kn_job_clips_trims(x->plan->job)) {
+        const double at[2] = {x->place->cell[0] + p[0], x->place->cell[1] + p[1]};
+        kn_answer side;
+        status = kn_job_border_side(ctx, &side, x->plan->job, x->place->surface, at);
+        *there = side != KN_NO;
     }
     return status;
 }
@@ -83,7 +141,7 @@ static kn_status own_patch(kn_ctx *ctx, int *index, const kn_crossing *x, double
 
 kn_status kn_cross_curve(kn_ctx *ctx, bool *crossed, kn_crossing *x)
 {
-    enum { ROOM = 2 * KN_MAX_DEGREE * (KN_CROSS_LINES + 2) + 1 };
+    enum { ROOM = 2 * KN_MAX_DEGREE * (KN_CROSS_LINES + 2) + 1024 };
     double at[ROOM + 1];
     bool fits = true, there;
     int n = 0, box[2];

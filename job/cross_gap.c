@@ -160,3 +160,49 @@ kn_status kn_crossing_shift(kn_ctx *ctx, double *gap, const kn_crossing *x, int 
     line.lo[var] = line.hi[var] = x->end[var][at];
     return compare(ctx, gap, x, &(sides){{i, j}, {i, j}, s, line});
 }
+
+// ---- how fast T moves ----
+
+// |N / W|' <= (|N'| + |N / W| |W'|) / W, with N taken from a point near the surface so that the quotient is no larger
+// than the piece. N = the sum of the terms times w^k.
+kn_status kn_crossing_speed(kn_ctx *ctx, double *speed, const kn_crossing *x, int i, int j)
+{
+    const kn_shell_piece *piece = &x->plan->pieces.list[x->piece[i][j]].piece;
+    double rise[2] = {0.0, 0.0}, bend[2] = {0.0, 0.0}, size = 0.0, weight = 1.0, center[3] = {0.0, 0.0, 0.0};
+    strip box;
+    kn_status status = KN_OK;
+    for (int c = 0; c < 2; c++) {
+        double least = fmax((x->hi[c] - x->lo[c]) / 64.0, 0x1p-20); // a flat side is no box
+        box.lo[c] = x->lo[c] - least, box.hi[c] = x->hi[c] + least;
+    }
+    for (int t = 0; status == KN_OK && t < piece->nterms; t++) {
+        kn_bezier part = {0}, own = {0};
+        double wrong, moved[2], scale = pow(x->top, piece->power[t]) * (1.0 + 0x1p-40);
+        status = over_strip(ctx, &part, &wrong, x, i, j, t, &box);
+        size_t n = status == KN_OK ? kn_bezier_count(&part) : 0;
+        if (status == KN_OK && t == 0 && piece->term[0].rational) {
+            double off = wrong * largest(&piece->term[0], 3, 4);
+            weight = INFINITY;
+            for (size_t k = 0; k < n; k++) weight = fmin(weight, part.coef[3 * n + k] - off);
+            for (size_t c = 0; c < 3; c++) center[c] = part.coef[c * n] / part.coef[3 * n];
+            for (size_t k = 0; k < 3 * n; k++) part.coef[k] -= center[k / n] * part.coef[3 * n + k % n];
+            status = kn_bezier_components(ctx, &own, &part, 3, 1);
+            if (status == KN_OK) status = kn_bezier_lipschitz(ctx, bend, &own);
+        }
+        if (status == KN_OK) status = kn_bezier_components(ctx, &own, &part, 0, 3);
+        if (status == KN_OK) status = kn_bezier_lipschitz(ctx, moved, &own);
+        double slack = status == KN_OK ? 4.0 * wrong * largest(&piece->term[t], 0, piece->term[t].ncomp) : 0.0;
+        for (int c = 0; status == KN_OK && c < 2; c++)
+            rise[c] += (moved[c] + 2.0 * (piece->term[t].degree[c] + 1.0) * slack) * scale;
+        if (status == KN_OK) size += (largest(&own, 0, 3) + slack) * scale;
+        kn_bezier_clear(ctx, &part);
+        kn_bezier_clear(ctx, &own);
+    }
+    *speed = INFINITY;
+    if (status != KN_OK || !(weight > 0.0)) return status;
+    double both = 0.0;
+    for (int c = 0; c < 2; c++)
+        both += pow((rise[c] + size / weight * bend[c]) / weight / (box.hi[c] - box.lo[c]), 2.0);
+    *speed = kn_round_up(sqrt(both) * (1.0 + 1e-12));
+    return KN_OK;
+}

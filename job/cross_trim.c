@@ -35,39 +35,54 @@ static kn_status choose_delta(kn_ctx *ctx, double *delta, double *error, const k
     }
 }
 
-static kn_status component(kn_ctx *ctx, kn_bezier *f, double *slope, const kn_crossing *x, int var, double line)
+// f over the patch, and its slope.
+static kn_status function_of(kn_ctx *ctx, kn_bezier *f, double *slope, const kn_crossing *x, const double line[3])
 {
     double rise[2];
-    kn_status status = kn_bezier_components(ctx, f, x->d, var, 1);
-    for (size_t i = 0; status == KN_OK && i < kn_bezier_count(f); i++) f->coef[i] -= line;
+    size_t n = kn_bezier_count(x->d);
+    kn_status status = kn_bezier_components(ctx, f, x->d, 0, 1);
+    for (size_t i = 0; status == KN_OK && i < n; i++) {
+        double u = x->d->coef[i], v = x->d->coef[n + i]; // exact where one coordinate does not count
+        f->coef[i] = line[1] == 0.0   ? line[0] * u + line[2]
+                     : line[0] == 0.0 ? line[1] * v + line[2]
+                                      : line[0] * u + line[1] * v + line[2];
+    }
     if (status == KN_OK) status = kn_bezier_lipschitz(ctx, rise, f);
     if (status == KN_OK) *slope = fmax(hypot(rise[0], rise[1]), 1e-300);
     return status;
 }
 
-kn_status kn_cross_cut(kn_ctx *ctx, kn_trim *below, kn_trim *rest, kn_trim_cut_report *report, kn_crossing *x,
-                       int var, double line, double delta)
+kn_status kn_cross_cut_by(kn_ctx *ctx, kn_trim *below, kn_trim *above, kn_trim_cut_report *report,
+                          const kn_crossing *x, const kn_trim *region, const double line[3], double delta)
 {
     kn_bezier f = {0};
-    kn_trim above = {0};
     double slope = 1.0;
-    kn_status status = component(ctx, &f, &slope, x, var, line);
+    kn_status status = function_of(ctx, &f, &slope, x, line);
     double tol = fmin(0.02, 0.5 * delta / slope);
     for (int k = 0; status == KN_OK && k < 8; k++, tol /= 4.0) {
-        status = kn_trim_cut(ctx, below, &above, report, rest, &f, tol);
+        status = kn_trim_cut(ctx, below, above, report, region, &f, tol);
         if (status != KN_OK || report->residual <= delta) break;
     }
     if (status == KN_OK && !(report->residual <= delta))
         status = kn_fail(ctx, KN_EUNDECIDED,
                          "job: a trim along a knot line or border is off by %g cells; %g are allowed",
                          report->residual, delta);
+    kn_bezier_clear(ctx, &f);
+    return status;
+}
+
+kn_status kn_cross_cut(kn_ctx *ctx, kn_trim *below, kn_trim *rest, kn_trim_cut_report *report, kn_crossing *x,
+                       int var, double line, double delta)
+{
+    kn_trim above = {0};
+    const double f[3] = {var == 0, var == 1, -line};
+    kn_status status = kn_cross_cut_by(ctx, below, &above, report, x, rest, f, delta);
     if (status == KN_OK) {
         x->off = fmax(x->off, report->residual);
         kn_trim swap = *rest;
         *rest = above;
         above = swap;
     }
-    kn_bezier_clear(ctx, &f);
     kn_trim_clear(ctx, &above);
     return status;
 }

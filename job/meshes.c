@@ -3,6 +3,7 @@
 //
 // A vertex lies in the cell in which its (u, v) falls, over seams and shared edges, and its image is asked of that
 // place, which has one name (kn_job_find_spot): cells that have a vertex in common get the same point, bit for bit.
+#include "job/border.h"
 #include "job/internal.h"
 #include "job/vary.h"
 
@@ -195,6 +196,7 @@ kn_status kn_job_map_meshes(kn_ctx *ctx, kn_job_cell_plan *plan, const kn_job_in
         status = place_mesh(ctx, &placed, plan, instance, p);
         if (status == KN_OK) status = kn_job_clip_mesh(ctx, &placed, (const double(*)[2])end);
         bool any = placed.ntriangles > 0;
+        if (status == KN_OK) status = kn_job_border_of_mesh(ctx, &any, plan, p, &placed);
         if (status == KN_OK && any) status = kn_mesh_map_by(ctx, &leaf.mesh, NULL, &placed, map_point, &t, &o);
         if (status == KN_OK && any) status = kn_job_add_leaf(ctx, plan, &leaf);
         kn_mesh_clear(ctx, &leaf.mesh);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Which pieces of the shell one cell composes with which parts of the tile.
-#include "job/internal.h"
+#include "job/border.h"
 
 #include <math.h>
 
@@ -135,13 +135,16 @@ static kn_status refuse_clip(kn_ctx *ctx, const kn_job_cell_plan *plan, const kn
                    s->origin_cell[1] + plan->cell[1]);
 }
 
-// What the trim of a tile's surface leaves of it.
-static kn_status add_leaf(kn_ctx *ctx, kn_job_cell_plan *plan, kn_job_leaf *leaf)
+// What the trim of a tile's surface leaves of it, and the border of the base where that may cross it.
+static kn_status add_leaf(kn_ctx *ctx, kn_job_cell_plan *plan, kn_job_leaf *leaf, const kn_job_place *place,
+                          kn_answer border, const kn_bezier *d)
 {
     bool any = true;
     kn_status status = KN_OK;
     if (kn_job_is_trimmed(plan, leaf)) status = kn_job_leaf_trim(ctx, &leaf->trim, &any, plan, leaf);
-    if (status == KN_OK && any) status = kn_job_add_leaf(ctx, plan, leaf);
+    if (status == KN_OK && any)
+        status = border == KN_UNKNOWN ? kn_job_clip_leaf(ctx, plan, leaf, place, d)
+                                      : kn_job_add_leaf(ctx, plan, leaf);
     kn_trim_clear(ctx, &leaf->trim);
     return status;
 }
@@ -173,11 +176,18 @@ static kn_status plan_rect(kn_ctx *ctx, kn_job_cell_plan *plan, const kn_job_lea
     double lo[2], hi[2];
     kn_job_box(lo, hi, &d);
     int depth = rect->level[0] + rect->level[1] + rect->level[2], index = 0, var = 0;
+    kn_answer border;
+    status = kn_job_border_of_patch(ctx, &border, plan, place, &d);
     kn_job_clipped clipped = find_clipped(plan->job, place, &d);
-    bool crosses = crosses_knot(plan->job, place, lo, hi), done = clipped == KN_CLIP_OUTSIDE;
-    if (clipped == KN_CLIP_ACROSS && d.nvars == 3) {
+    bool crosses = crosses_knot(plan->job, place, lo, hi);
+    bool done = status != KN_OK || clipped == KN_CLIP_OUTSIDE || border == KN_NO;
+    bool curve = border == KN_UNKNOWN && d.nvars == 1; // ends there
+    if (!done && clipped == KN_CLIP_ACROSS && d.nvars == 3) {
         status = refuse_clip(ctx, plan, leaf);
-    } else if (!done && (clipped == KN_CLIP_ACROSS || crosses || lies_beyond(plan->job, &d, lo, hi))) {
+    } else if (!done && border == KN_UNKNOWN && d.nvars == 3) {
+        kn_job_leaf part = *leaf;
+        status = kn_job_clip_leaf(ctx, plan, &part, place, &d); // refuses, too
+    } else if (!done && (clipped == KN_CLIP_ACROSS || crosses || curve || lies_beyond(plan->job, &d, lo, hi))) {
         bool outline = plan->pieces.outline;
         plan->pieces.outline = false;
         status = kn_job_cross(ctx, &done, plan, leaf, place, &d);
@@ -187,7 +197,7 @@ static kn_status plan_rect(kn_ctx *ctx, kn_job_cell_plan *plan, const kn_job_lea
         if (status == KN_OK && plan->pieces.list[index].fits) {
             kn_job_leaf made = *leaf;
             made.piece = index;
-            status = add_leaf(ctx, plan, &made);
+            status = add_leaf(ctx, plan, &made, place, border, &d);
             done = true;
         }
     }
@@ -212,17 +222,29 @@ static kn_status plan_patch(kn_ctx *ctx, kn_job_cell_plan *plan, int patch, bool
     if (p->inside && kn_job_is_clipped(plan->job, plan->surface, plan->cell, p->offset)) return KN_OK;
     kn_job_place place = kn_job_find_place(plan->job, plan->surface, plan->cell, p->offset);
     leaf.key.turn = (uint8_t)place.turn;
-    if (p->inside) {
-        int index;
-        kn_status status = kn_job_pieces_get(ctx, &index, &plan->pieces, &place, zero, one);
-        if (status != KN_OK) return status;
-        if (plan->pieces.list[index].fits) {
-            leaf.key.whole = true;
-            leaf.piece = index;
-            return add_leaf(ctx, plan, &leaf);
-        }
+    if (!p->inside) return plan_rect(ctx, plan, &leaf, &place);
+    int index = 0;
+    bool whole = false;
+    kn_answer border = KN_YES;
+    kn_bezier d = {0};
+    kn_status status = KN_OK;
+    if (kn_job_clips_trims(plan->job)) {
+        status = kn_job_restrict(ctx, &d, p, leaf.key.rect, place.turn);
+        if (status == KN_OK) status = kn_job_border_of_patch(ctx, &border, plan, &place, &d);
     }
-    return plan_rect(ctx, plan, &leaf, &place);
+    if (status == KN_OK && border != KN_NO && (border == KN_YES || p->d.nvars > 1)) {
+        status = kn_job_pieces_get(ctx, &index, &plan->pieces, &place, zero, one);
+        whole = status == KN_OK && plan->pieces.list[index].fits;
+    }
+    if (whole) {
+        leaf.key.whole = true;
+        leaf.piece = index;
+        status = add_leaf(ctx, plan, &leaf, &place, border, &d);
+    } else if (status == KN_OK && border != KN_NO) {
+        status = plan_rect(ctx, plan, &leaf, &place);
+    }
+    kn_bezier_clear(ctx, &d);
+    return status;
 }
 
 // ---- instances of their own ----

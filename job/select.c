@@ -173,6 +173,17 @@ static kn_status reaches_border(kn_ctx *ctx, bool *yes, const selecting *s, kn_j
     return status;
 }
 
+// Whether a tile without height is the surface itself, and not nothing.
+static bool is_covering_surface(const kn_tile *tile)
+{
+    bool yes = tile->covering;
+    for (int p = 0; p < tile->nparts; p++) {
+        yes = yes && tile->parts[p].mesh.ntriangles == 0;
+        for (int s = 0; s < tile->parts[p].nsplines; s++) yes = yes && tile->parts[p].splines[s].nvars == 2;
+    }
+    return yes;
+}
+
 // A cell is beyond the border when its middle is, and the border touches neither it nor its tiles.
 static kn_status look_at_trim(kn_ctx *ctx, kn_job_drop *why, const selecting *s, kn_job_extents *extents,
                               kn_job_border_memo *memo, int surface, const int cell[2], size_t index)
@@ -184,7 +195,7 @@ static kn_status look_at_trim(kn_ctx *ctx, kn_job_drop *why, const selecting *s,
     kn_status status = kn_job_border_cell(ctx, &answer, memo, job, surface, cell);
     if (status != KN_OK) return status;
     if (answer == KN_UNKNOWN) { // crossed
-        if (job->options.trimmed == KN_TRIMMED_TAPER && !job->tile.covering) *why = KN_DROP_TRIM;
+        if (job->options.trimmed == KN_TRIMMED_TAPER && !is_covering_surface(&job->tile)) *why = KN_DROP_TRIM;
         return KN_OK;
     }
     status = reaches_border(ctx, &reaches, s, extents, surface, cell);

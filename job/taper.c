@@ -83,6 +83,8 @@ static bool is_open(const kn_job *job, const kn_job_surface *s, int d, int end)
     int other = s->partner[2 * d + end].edge;
     kn_shell_edges(s->shell, edges);
     bool goes_on = other >= 0 && kn_job_selects(&job->options.select, job->surfaces[other / 4].origin);
+    // a face that meets another one at an angle keeps its side
+    if (job->options.trimmed == KN_TRIMMED_TAPER) goes_on = goes_on && s->partner[2 * d + end].goes_on;
     return !s->closed[d] && !goes_on && edges[d][end].kind == KN_EDGE_CURVE;
 }
 
