@@ -54,7 +54,7 @@ ALL_LDFLAGS = $(OPT) -pthread $(LDFLAGS)
 LIBS := -lm
 
 # ---- optional libraries, all in one place: a header that tells whether it is there, flags, what to link ----
-EXTERNALS := tinygltf embree png cairo occt lib3mf jansson muparser openmesh sisl cmocka flint
+EXTERNALS := tinygltf embree png cairo occt lib3mf jansson muparser openmesh zlib sisl cmocka flint
 HEADER_tinygltf := tiny_gltf.h
 LIBS_tinygltf := -ltinygltf
 HEADER_embree := embree3/rtcore.h
@@ -76,6 +76,8 @@ HEADER_muparser := muParser.h
 LIBS_muparser := -lmuparser
 HEADER_openmesh := OpenMesh/Core/IO/MeshIO.hh
 LIBS_openmesh := -lOpenMeshCore
+HEADER_zlib := zlib.h
+LIBS_zlib := -lz
 HEADER_sisl := sisl.h
 LIBS_sisl := -lsisl
 HEADER_cmocka := cmocka.h

@@ -146,31 +146,39 @@ static kn_status listen_to(kn_ctx *ctx, child *c, const char *path)
     return status;
 }
 
-// Lines of standard error: warnings go to the log, the last of the others is the message.
-static const char *last_line(kn_ctx *ctx, char *text)
+// Lines of standard error: the last that is no warning is the message. Warnings go to the log where all went well;
+// else the first may say why not.
+static const char *read_lines(kn_ctx *ctx, char *text, bool well, const char **warning)
 {
     const char *message = "";
+    *warning = NULL;
     for (char *line = strtok(text, "\n"); line; line = strtok(NULL, "\n")) {
-        if (strncmp(line, "warning: ", 9) == 0)
-            kn_log(ctx, KN_LOG_WARNING, "%s", line + 9);
-        else
+        bool warns = strncmp(line, "warning: ", 9) == 0;
+        if (!warns)
             message = line;
+        else if (well)
+            kn_log(ctx, KN_LOG_WARNING, "%s", line + 9);
+        else if (!*warning)
+            *warning = line + 9;
     }
     return message;
 }
 
 static kn_status judge(kn_ctx *ctx, child *c, int how, const char *path)
 {
+    const char *warning;
+    bool well = WIFEXITED(how) && WEXITSTATUS(how) == 0;
     c->text[c->text_bytes] = '\0';
-    const char *message = last_line(ctx, c->text);
-    if (WIFEXITED(how) && WEXITSTATUS(how) == 0) return KN_OK;
+    const char *message = read_lines(ctx, c->text, well, &warning);
+    if (well) return KN_OK;
+    size_t named = warning && strncmp(warning, path, strlen(path)) == 0 ? strlen(path) + 2 : 0;
+    const char *why = warning ? warning + named : "", *because = warning ? ": " : "";
     if (WIFSIGNALED(how) && (WTERMSIG(how) == SIGXCPU || WTERMSIG(how) == SIGKILL))
-        return kn_fail(ctx, KN_EPARSE, "%s: the reader was ended: it took too long, or too much memory", path);
-    if (WIFSIGNALED(how))
-        return kn_fail(ctx, KN_EPARSE, "%s: the reader crashed on it (signal %d)", path, WTERMSIG(how));
+        return kn_fail(ctx, KN_EPARSE, "%s: the reader was ended: it took too long%s%s", path, because, why);
+    if (WIFSIGNALED(how)) return kn_fail(ctx, KN_EPARSE, "%s: the reader crashed on it%s%s", path, because, why);
     kn_status status = WEXITSTATUS(how) == EXIT_BAD_INPUT ? KN_EPARSE : KN_EIO;
     if (*message) return kn_fail(ctx, status, "%s", message);
-    return kn_fail(ctx, status, "%s: the reader gave up on it", path);
+    return kn_fail(ctx, status, "%s: the reader gave up on it%s%s", path, because, why);
 }
 
 kn_status cli_run_cad(kn_ctx *ctx, unsigned char **data, size_t *bytes, const char *const *arguments,

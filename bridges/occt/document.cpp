@@ -6,6 +6,7 @@
 #include <BRepTools.hxx>
 #include <BRep_Builder.hxx>
 #include <IGESCAFControl_Reader.hxx>
+#include <Interface_Check.hxx>
 #include <Interface_InterfaceModel.hxx>
 #include <Interface_Static.hxx>
 #include <NCollection_DataMap.hxx>
@@ -245,6 +246,23 @@ void ask_entities(notes *names, document *out, const Handle(XSControl_WorkSessio
     }
 }
 
+// What OCCT noticed while it loaded the entities. It goes on, and may crash on what is missing.
+void warn_of_faults(kn_ctx *ctx, const Handle(Interface_InterfaceModel) & model, const char *path)
+{
+    int faults = 0;
+    std::string first;
+    for (int i = 1; i <= model->NbEntities(); i++) {
+        Handle(Interface_Check) found = model->Check(i, Standard_True);
+        if (found.IsNull() || found->NbFails() == 0 || faults++ > 0) continue;
+        Handle(Standard_Transient) entity = model->Value(i);
+        first = std::string(model->StringLabel(entity)->ToCString()) + " (" +
+                model->TypeName(entity, Standard_False) + "): " + found->CFail(1);
+    }
+    if (faults > 0)
+        kn_log(ctx, KN_LOG_WARNING, "%s: OCCT finds faults in %d entities, the first is %s", path, faults,
+               first.c_str());
+}
+
 enum format { UNKNOWN, STEP, IGES, BREP };
 
 // By what is in it: the first bytes, and for IGES the S in column 73. STEP must end as it should: what is cut off would
@@ -285,6 +303,7 @@ void read_step(kn_ctx *ctx, document *out, const char *path)
     reader.SetNameMode(Standard_True);
     if (reader.ReadFile(path) != IFSelect_RetDone)
         check(kn_fail(ctx, KN_EPARSE, "%s: OCCT cannot read it as STEP", path));
+    warn_of_faults(ctx, reader.Reader().WS()->Model(), path);
     if (!reader.Transfer(out->xcaf)) check(kn_fail(ctx, KN_EPARSE, "%s: OCCT finds no shape in it", path));
     notes names;
     ask_entities(&names, out, reader.Reader().WS());

@@ -3,6 +3,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <iostream>
 
 #include <sys/resource.h>
 #include <sys/stat.h>
@@ -67,6 +68,8 @@ int main(int argc, char **argv)
     for (const command &c : commands)
         if (argc >= 3 && std::strcmp(argv[1], c.name) == 0) {
             set_limits(argv[2]);
+            std::cout.rdbuf(nullptr); // where OCCT says what it finds, in between what goes to knurl
+            std::cerr.rdbuf(nullptr);
             kn_ctx *ctx = nullptr;
             kn_ctx_options options = kn_ctx_defaults();
             options.log = warn;

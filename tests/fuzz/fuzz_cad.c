@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: Apache-2.0
+// Fuzzes what comes out of the reader of CAD files: any bytes give a status, what is parsed is a model that goes out
+// and in again bit for bit, and faces are found in it by any text.
+#include "tests/fuzz/feed.h"
+
+#include <knurl/cad.h>
+
+static void find(feed *f, const kn_cad *cad, const uint8_t *data, size_t size)
+{
+    static const char *const texts[] = {"0",         "type:*", "name:a*b?", "body:0&type:plane", "color:#ff0000",
+                                        "near:1,2,3"};
+    char text[64];
+    size_t n = size < sizeof text - 1 ? size : sizeof text - 1;
+    memcpy(text, data + size - n, n);
+    text[n] = '\0';
+    for (size_t i = 0; i <= sizeof texts / sizeof *texts; i++) {
+        const char *t = i < sizeof texts / sizeof *texts ? texts[i] : text;
+        size_t points = 0;
+        for (int k = 0; k < cad->nfaces; k++) points += kn_spline_count(&cad->faces[k].surface);
+        if (t[0] == 'n' && t[2] == 'a' && points > 64) continue; // slow is not wrong
+        int *faces = NULL, count = 0;
+        kn_ctx_clear_error(f->ctx);
+        if (kn_cad_find(f->ctx, &faces, &count, cad, t) != KN_OK) continue;
+        if (count < 1 || count > cad->nfaces) abort();
+        for (int k = 0; k < count; k++)
+            if (faces[k] < 0 || faces[k] >= cad->nfaces || (k > 0 && faces[k] <= faces[k - 1])) abort();
+        kn_free(f->ctx, faces);
+    }
+}
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
+{
+    feed f = feed_begin(data, size);
+    kn_cad cad = {0};
+    if (kn_cad_parse(f.ctx, &cad, "fuzz", data, size) == KN_OK) {
+        unsigned char *again = NULL;
+        size_t bytes = 0;
+        if (kn_cad_check(f.ctx, &cad) != KN_OK || kn_cad_write(f.ctx, &again, &bytes, &cad) != KN_OK) abort();
+        kn_cad copy = {0};
+        if (bytes != size || kn_cad_parse(f.ctx, &copy, "again", again, bytes) != KN_OK) abort();
+        if (copy.nfaces != cad.nfaces) abort();
+        for (int i = 0; i < cad.nfaces; i++)
+            if (!kn_cad_type_name(cad.faces[i].type)) abort();
+        find(&f, &cad, data, size);
+        kn_free(f.ctx, again);
+        kn_cad_clear(f.ctx, &copy);
+    } else if (cad.faces || cad.edges || cad.bodies) {
+        abort();
+    }
+    kn_cad_clear(f.ctx, &cad);
+    feed_end(&f);
+    return 0;
+}
