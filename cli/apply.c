@@ -62,6 +62,8 @@ static int read_arguments(cli_apply *a, int argc, char **argv)
 // A journal is of sinks that write as they go. A glTF file begins with numbers that only its end knows.
 static const char *resume_conflict(const cli_apply *a)
 {
+    if (a->recipe.layer[0].merge)
+        return "--resume: patches that --merge puts together wait in memory: one or the other";
     for (int i = 0; i < a->recipe.noutputs; i++)
         if (cli_has_ending(a->recipe.outputs[i], "glb") || cli_has_ending(a->recipe.outputs[i], "gltf"))
             return "--resume: a glTF file is held in memory until its end: write .step, .stl or .obj, or without "
@@ -122,19 +124,17 @@ static kn_status run(kn_ctx *ctx, const cli_apply *a, const cli_plan *plan, cons
     kn_status status = KN_OK;
     for (; open < a->recipe.noutputs && status == KN_OK; open += status == KN_OK) {
         cad[open] = cli_writes_cad(a->recipe.outputs[open]);
-        status = cli_open_sink(ctx, &opened[open], a->recipe.outputs[open],
-                               &(cli_output_options){.unit_mm = a->recipe.layer[0].unit_mm,
-                                                     .host = host,
-                                                     .gap_mm = body->body.gap});
+        status = cli_open_sink(
+            ctx, &opened[open], a->recipe.outputs[open],
+            &(cli_output_options){.unit_mm = a->recipe.layer[0].unit_mm, .host = host, .gap_mm = body->body.gap});
     }
+    if (status != KN_OK)
+        for (int i = 0; i < open; i++) kn_sink_close(ctx, &opened[i]);
     if (status == KN_OK) status = cli_fit_sinks(ctx, fit, opened, cad, open, &a->recipe.layer[0]);
-    bool fitted = status == KN_OK;
-    if (fitted) status = run_jobs(ctx, a, plan, fit->sinks, fit->nsinks);
-    for (int i = 0; i < open; i++) {
-        bytes[i] = opened[i].bytes ? (double)opened[i].bytes(opened[i].user) : 0.0;
-        if (!fitted) kn_sink_close(ctx, &opened[i]);
-    }
-    for (int i = 0; i < fit->nsinks && fitted; i++) kn_sink_close(ctx, &fit->sinks[i]);
+    if (status != KN_OK) return status;
+    status = run_jobs(ctx, a, plan, fit->sinks, fit->nsinks);
+    for (int i = 0; i < open; i++) bytes[i] = opened[i].bytes ? (double)opened[i].bytes(opened[i].user) : 0.0;
+    for (int i = 0; i < fit->nsinks; i++) kn_sink_close(ctx, &fit->sinks[i]);
     return status;
 }
 

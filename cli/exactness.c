@@ -2,7 +2,7 @@
 // Options of exactness, for all layers: normals, degrees, tolerances, the unit, and tiles that cross knot lines.
 #include "cli/cli.h"
 
-enum { NORMAL, NORMAL_TOL, MAX_DEGREE, TOL, CELLS_TOL, CROSSING, CROSSING_TOL, UNIT, OPTIONS };
+enum { NORMAL, NORMAL_TOL, MAX_DEGREE, TOL, CELLS_TOL, CROSSING, CROSSING_TOL, MERGE, UNIT, OPTIONS };
 static const cli_option options[OPTIONS] = {
     [NORMAL] = {"normal", 0, CLI_TEXT},
     [NORMAL_TOL] = {"normal-tol", 0, CLI_TEXT},
@@ -11,6 +11,7 @@ static const cli_option options[OPTIONS] = {
     [CELLS_TOL] = {"cells-tol", 0, CLI_TEXT},
     [CROSSING] = {"crossing", 0, CLI_TEXT},
     [CROSSING_TOL] = {"crossing-tol", 0, CLI_TEXT},
+    [MERGE] = {"merge", 0, CLI_NOTHING},
     [UNIT] = {"unit", 0, CLI_TEXT},
 };
 
@@ -46,6 +47,7 @@ static bool set(cli_job *job, const char *name, int option, const char *text)
     case CELLS_TOL: return cli_positive_length(name, text, &job->cells_tol);
     case CROSSING: return set_crossing(name, text, o);
     case CROSSING_TOL: return cli_positive_length(name, text, &job->crossing_tol);
+    case MERGE: return job->merge = true;
     case UNIT: return cli_set_unit(name, text, &job->unit_mm);
     default: return false;
     }

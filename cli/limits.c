@@ -7,6 +7,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+// What merging may take of the tolerance.
+static const double merge_share = 0.2;
 enum { USUAL_DEGREE = 25, LEAST_DEGREE = 3, SAMPLED_CELLS = 4 };
 static const double usual_tol_mm = 0.01;
 
@@ -56,11 +58,35 @@ kn_status cli_create_job(kn_ctx *ctx, kn_job **out, const kn_spline *surfaces, i
     return kn_job_create(ctx, out, surfaces, n, tile, &o);
 }
 
+// *out: one sink before n others, which are its own then; after a failure they are closed.
+static kn_status wrap(kn_ctx *ctx, kn_sink *out, cli_fit *fit, const kn_sink *sinks, int n)
+{
+    kn_limit_options limits = fit->options;
+    const kn_merge_options merge = {.tolerance = merge_share * fit->options.tolerance};
+    kn_sink merged = {0};
+    kn_status status = KN_OK;
+    if (fit->merge) {
+        limits.tolerance -= merge.tolerance;
+        status = kn_merge_sink(ctx, &merged, sinks, n, &merge, &fit->merged);
+    }
+    if (status == KN_OK)
+        status = kn_limit_sink(ctx, out, fit->merge ? &merged : sinks, fit->merge ? 1 : n, &limits, &fit->sum);
+    if (status == KN_OK) return KN_OK;
+    kn_sink rest[CLI_MAX_OUTPUTS];
+    memcpy(rest, sinks, (size_t)n * sizeof *rest);
+    if (merged.user)
+        kn_sink_close(ctx, &merged);
+    else
+        for (int i = 0; i < n; i++) kn_sink_close(ctx, &rest[i]);
+    return status;
+}
+
 kn_status cli_fit_sinks(kn_ctx *ctx, cli_fit *fit, const kn_sink *opened, const bool *cad, int n, const cli_job *job)
 {
     kn_sink limited[CLI_MAX_OUTPUTS];
     int count = 0;
     fit->options = cli_limits_of(job);
+    fit->merge = job->merge;
     fit->nsinks = 0;
     for (int i = 0; i < n; i++) {
         if (cad[i])
@@ -69,11 +95,13 @@ kn_status cli_fit_sinks(kn_ctx *ctx, cli_fit *fit, const kn_sink *opened, const 
             fit->sinks[fit->nsinks++] = opened[i];
     }
     if (count == 0) return KN_OK;
-    kn_status status = kn_limit_sink(ctx, &fit->sinks[fit->nsinks], limited, count, &fit->options, &fit->sum);
-    if (status != KN_OK) return status;
-    fit->nsinks++;
-    fit->known = true;
-    return KN_OK;
+    kn_status status = wrap(ctx, &fit->sinks[fit->nsinks], fit, limited, count);
+    fit->known = status == KN_OK;
+    if (fit->known)
+        fit->nsinks++;
+    else
+        for (int i = 0; i < fit->nsinks; i++) kn_sink_close(ctx, &fit->sinks[i]);
+    return status;
 }
 
 // ---- estimates ----
@@ -140,7 +168,7 @@ json_t *cli_fit_json(const cli_fit *fit)
         return o;
     }
     // An estimate certifies nothing but what is asked for.
-    double error = fit->estimated && s->limited > 0 ? fit->options.tolerance : s->error;
+    double error = fit->estimated && s->limited > 0 ? fit->options.tolerance : s->error + fit->merged.error;
     json_object_set_new(o, keys[0], cli_json_upper(error));
     json_object_set_new(o, keys[1], json_integer((json_int_t)s->exact));
     json_object_set_new(o, keys[2], json_integer((json_int_t)s->limited));
@@ -148,12 +176,20 @@ json_t *cli_fit_json(const cli_fit *fit)
     json_object_set_new(o, keys[4], json_integer((json_int_t)s->control_points));
     json_object_set_new(o, keys[5], cli_json_upper(2 * s->angle)); // each of two faces may turn
     json_object_set_new(o, keys[6], json_integer((json_int_t)s->unknown_angles));
+    if (fit->merge && !fit->estimated)
+        json_object_set_new(o, "merge",
+                            json_pack("{s:I,s:I,s:I,s:o}", "faces", (json_int_t)fit->merged.faces, "merged",
+                                      (json_int_t)fit->merged.merged, "c2", (json_int_t)fit->merged.c2,
+                                      "certified_error", cli_json_upper(fit->merged.error)));
     return o;
 }
 
 void cli_print_fit(const cli_fit *fit)
 {
     const kn_limit_summary *s = &fit->sum;
+    if (fit->merge && fit->known && !fit->estimated)
+        printf("merged into %zu faces, %zu of them of several patches, within %.1e (certified)\n", fit->merged.faces,
+               fit->merged.merged, cli_outward(fit->merged.error, 1, CLI_TEXT_DIGITS));
     if (!fit->known || s->limited == 0) return;
     printf("for CAD %s%zu patches of degree up to %d within %.1e%s, %zu as composed; %zu control points in all",
            fit->estimated ? "about " : "", s->limited, fit->options.max_degree,

@@ -30,10 +30,11 @@ typedef struct cli_fit {
     int nsinks;
     kn_limit_options options;
     kn_limit_summary sum;
-    bool known, estimated;
+    kn_merge_summary merged;
+    bool known, estimated, merge;
 } cli_fit;
-// in:     opened: n sinks, fit's on success; cad[i]: whether it is one of a CAD file. The fit stays where it is until
-//         they are closed.
+// in:     opened: n sinks, fit's from here on, which after a failure are closed; cad[i]: whether it is one of a CAD
+//         file. The fit stays where it is until they are closed.
 kn_status cli_fit_sinks(kn_ctx *ctx, cli_fit *fit, const kn_sink *opened, const bool *cad, int n, const cli_job *job);
 // The same as an estimate, from a few cells of each layer that is written.
 kn_status cli_estimate_fit(kn_ctx *ctx, cli_fit *fit, const cli_plan *plan, const cli_job *job);
