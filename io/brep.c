@@ -14,7 +14,8 @@ typedef struct entry {
     kn_brep_key key;
     uint64_t number;
     uint32_t body, uses;
-    bool forward, against;
+    uint32_t vertex[2], pcurve; // of an edge
+    bool forward, against, seed;
 } entry;
 
 typedef struct table {
@@ -272,7 +273,8 @@ static void name_alone(const kn_brep_edge *edges, int n, uint64_t *next, kn_brep
             if (names[i].new_vertex[k]) names[i].vertex[k] = (*next)++;
         }
         *next += 2;
-        names[i].edge = *next - 1, names[i].new_edge = true, names[i].against = false;
+        names[i].edge = *next - 1, names[i].new_edge = names[i].last = true, names[i].against = names[i].seam = false;
+        names[i].pcurve[0] = edges[i].pcurve, names[i].pcurve[1] = 0;
     }
 }
 
@@ -296,6 +298,9 @@ kn_status kn_brep_add(kn_ctx *ctx, kn_brep *b, const kn_brep_edge *edges, int n,
         names[i].new_edge = waiting == NULL;
         names[i].edge = waiting ? waiting->number : 0;
         names[i].against = waiting && waiting->against;
+        names[i].last = waiting && !waiting->seed, names[i].seam = false;
+        names[i].pcurve[0] = waiting ? waiting->pcurve : edges[i].pcurve;
+        names[i].pcurve[1] = waiting ? edges[i].pcurve : 0;
         if (waiting) join(b, &edges[i], waiting, &at);
     }
     if (status == KN_OK && at == NONE) status = new_body(ctx, b, &at);
@@ -307,10 +312,15 @@ kn_status kn_brep_add(kn_ctx *ctx, kn_brep *b, const kn_brep_edge *edges, int n,
         names[i].edge = *next - 1;
         if (twin < n) { // a seam
             names[twin].edge = names[i].edge, names[twin].new_edge = false;
+            names[i].last = names[i].seam = true;
+            names[i].pcurve[1] = edges[twin].pcurve;
             if (edges[twin].forward == edges[i].forward) b->bodies[at].odd = true;
             continue;
         }
-        entry fresh = {edges[i].key, names[i].edge, at, 1, edges[i].forward, false};
+        entry fresh = {
+            .key = edges[i].key, .number = names[i].edge, .body = at, .uses = 1, .forward = edges[i].forward};
+        for (int k = 0; k < 2; k++) fresh.vertex[k] = (uint32_t)names[i].vertex[k];
+        fresh.pcurve = (uint32_t)edges[i].pcurve;
         status = insert(ctx, &b->edges, &fresh, NULL);
         for (int k = 0; k < 2 && status == KN_OK; k++) find(&b->vertices, edges[i].vertex[k])->uses++;
         b->bodies[at].waiting++, b->bodies[at].refs++;
@@ -419,7 +429,8 @@ kn_status kn_brep_seed(kn_ctx *ctx, kn_brep *b, int at, const kn_brep_edge *edge
         else
             status = insert(ctx, &b->vertices, &fresh, NULL);
     }
-    entry fresh = {edge->key, number, (uint32_t)at, 1, edge->forward, against};
+    entry fresh = {.key = edge->key, .number = number, .body = (uint32_t)at, .uses = 1};
+    fresh.forward = edge->forward, fresh.against = against, fresh.seed = true;
     if (status == KN_OK) status = insert(ctx, &b->edges, &fresh, NULL);
     if (status == KN_OK) b->bodies[at].waiting++, b->bodies[at].refs++;
     return status;
@@ -453,6 +464,19 @@ bool kn_brep_next_body(const kn_brep *b, int *at)
     if (i >= b->nbodies) return false;
     *at = (int)i;
     return true;
+}
+
+bool kn_brep_next_edge(const kn_brep *b, size_t *at, kn_brep_open_edge *edge)
+{
+    const entry *e = b->edges.entries;
+    for (; *at < b->edges.room; ++*at) {
+        const entry *x = &e[*at];
+        if (x->uses == 0 || x->seed) continue;
+        *edge = (kn_brep_open_edge){x->number, {x->vertex[0], x->vertex[1]}, x->pcurve};
+        ++*at;
+        return true;
+    }
+    return false;
 }
 
 kn_brep_walk kn_brep_faces(const kn_brep *b, int at)

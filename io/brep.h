@@ -28,13 +28,17 @@ kn_brep_key kn_brep_mix(kn_brep_key key, double x);
 typedef struct kn_brep_edge {
     kn_brep_key key, vertex[2]; // vertices where it starts and ends, in the direction of its key
     bool forward;               // the face's boundary runs along that direction (counterclockwise seen from outside)
+    uint64_t pcurve;            // what the face calls its own description of the edge; 0: it has none
 } kn_brep_edge;
 
 // What an edge is called: numbers, and whether they are new, so that their entities have to be written.
 typedef struct kn_brep_name {
     uint64_t vertex[2], edge;
     bool new_vertex[2], new_edge;
-    bool against; // the edge runs against the direction of its key (kn_brep_seed)
+    bool against;       // the edge runs against the direction of its key (kn_brep_seed)
+    bool last;          // no face is to come: the edge's entity is written now, unless it is a seed's
+    bool seam;          // this face uses the edge twice
+    uint64_t pcurve[2]; // of the faces that use it, as far as they have one
 } kn_brep_name;
 
 enum { KN_BREP_NONE = -1 };
@@ -89,6 +93,13 @@ bool kn_brep_step(const kn_brep *b, kn_brep_walk *walk); // number and look of o
 int kn_brep_look(const kn_brep *b, int body);
 // Forgets a closed body.
 void kn_brep_drop(kn_brep *b, int body);
+
+// An edge that waits, its vertices in the direction of its key.
+typedef struct kn_brep_open_edge {
+    uint64_t edge, vertex[2], pcurve;
+} kn_brep_open_edge;
+// Edges that wait at the end, those of kn_brep_seed apart: *at = 0 before the first; false: no more.
+bool kn_brep_next_edge(const kn_brep *b, size_t *at, kn_brep_open_edge *edge);
 
 // For journals.
 void kn_brep_save(const kn_brep *b, kn_state *state);

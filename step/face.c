@@ -231,6 +231,73 @@ void kn_step_name(char name[KN_STEP_NAME_BYTES], const kn_step_naming *naming, c
     if (naming->mark && !exact) snprintf(name + n, room - (size_t)n, " ~");
 }
 
+// The way from an end of an edge to its next control point that is another point. False: that is not the next one, or
+// far nearer than others are: the curve starts slowly.
+static bool leave(double way[3], const kn_step_net *f, const kn_step_line *line, bool from_end)
+{
+    int n = line->axis.n, first = n;
+    double length = 0.0, step = 0.0;
+    for (int k = 1; k < n; k++) {
+        const double *from = line->point + (from_end ? n - k : k - 1) * line->step;
+        const double *to = line->point + (from_end ? n - 1 - k : k) * line->step;
+        double square = 0.0;
+        for (int c = 0; c < 3; c++) square += (to[c] - from[c]) * (to[c] - from[c]);
+        length += sqrt(square);
+        if (k == 1) step = sqrt(square);
+        const double *start = line->point + (from_end ? n - 1 : 0) * line->step;
+        if (first < n || same_point(f, start, to)) continue;
+        first = k;
+        for (int c = 0; c < 3; c++) way[c] = to[c] - start[c];
+    }
+    return first == 1 && step * (n - 1) > 0.05 * length;
+}
+
+// Programs find the curves of edges in the parameters of a surface by projection, which is ill-conditioned where an edge
+// is a point, where one leaves a corner slowly, and where two leave it in nearly one line (within 0.1 radians).
+static bool ill_conditioned(const kn_step_item *item, const kn_step_net *f)
+{
+    bool ill = item->nedges < 4;
+    for (int k = 0; k < 4 && !ill; k++) {
+        double a[3], b[3], c[3], aa = 0.0, bb = 0.0, cc = 0.0;
+        ill = !leave(a, f, &f->line[k >= 2 ? 2 : 0], k == 1 || k == 2) ||
+              !leave(b, f, &f->line[k == 1 || k == 2 ? 1 : 3], k >= 2);
+        if (ill) break;
+        for (int i = 0; i < 3; i++) {
+            c[i] = a[(i + 1) % 3] * b[(i + 2) % 3] - a[(i + 2) % 3] * b[(i + 1) % 3];
+            aa += a[i] * a[i], bb += b[i] * b[i], cc += c[i] * c[i];
+        }
+        ill = !(cc > 0.01 * aa * bb);
+    }
+    return ill;
+}
+
+// Four corners, then of each edge a line along its side of the square, whose parameter is that of the curve in space;
+// numbers from `first` on, of which it answers the next free one.
+static uint32_t put_plane_curves(kn_text *text, kn_step_item *item, const kn_step_net *f, const bool turned[4],
+                                 uint32_t first)
+{
+    uint32_t context = first + 4, next = first + 5;
+    for (int k = 0; k < 4; k++) {
+        const double at[2] = {k == 1 || k == 2 ? 1.0 : 0.0, k >= 2 ? 1.0 : 0.0};
+        kn_step_put_point(text, first + (uint32_t)k, at, 2);
+    }
+    kn_step_put_relative(text, context);
+    kn_text_put(text, "(GEOMETRIC_REPRESENTATION_CONTEXT(2)PARAMETRIC_REPRESENTATION_CONTEXT()"
+                      "REPRESENTATION_CONTEXT('2D SPACE',''));");
+    kn_text_newline(text);
+    for (int i = 0; i < item->nedges; i++, next += 3) {
+        int e = item->edge[i], from = turned[e] ? edge_end[e] : edge_start[e],
+            to = turned[e] ? edge_start[e] : edge_end[e];
+        kn_step_put_form(text, next,
+                         "B_SPLINE_CURVE_WITH_KNOTS('',1,(#,#),.UNSPECIFIED.,.F.,.F.,(2,2),(0.,1.),.UNSPECIFIED.);",
+                         (uint32_t[]){first + (uint32_t)from, first + (uint32_t)to});
+        kn_step_put_form(text, next + 1, "DEFINITIONAL_REPRESENTATION('',(#),#);", (uint32_t[]){next, context});
+        kn_step_put_form(text, next + 2, "PCURVE('',#,#);", (uint32_t[]){(uint32_t)f->n, next + 1});
+        item->pcurve[i] = next + 2;
+    }
+    return next;
+}
+
 kn_status kn_step_put_face(kn_text *text, kn_step_item *item, const kn_patch *patch, const kn_step_naming *naming,
                            const char *part, double mm)
 {
@@ -245,6 +312,9 @@ kn_status kn_step_put_face(kn_text *text, kn_step_item *item, const kn_patch *pa
         find_edges(item, &f, turned);
         kn_step_put_points(text, &f);
         kn_step_put_surface(text, &f);
+        item->numbers = f.numbers, item->main = (uint32_t)f.n;
+        if (item->nedges > 0 && ill_conditioned(item, &f))
+            item->numbers = put_plane_curves(text, item, &f, turned, f.numbers);
         item->text_end = text->bytes;
         for (int e = 0, at = 0; e < 4; e++) {
             bool used = at < item->nedges && item->edge[at] == e;
@@ -255,7 +325,6 @@ kn_status kn_step_put_face(kn_text *text, kn_step_item *item, const kn_patch *pa
             if (used) kn_step_put_line(text, &f.line[e], turned[e], equal_keys(b->vertex[0], b->vertex[1]));
             item->curve_end[e] = text->bytes;
         }
-        item->numbers = f.numbers, item->main = (uint32_t)f.n;
     }
     kn_scratch_release(text->ctx, mark);
     return status == KN_OK && text->failed ? KN_ENOMEM : status;

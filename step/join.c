@@ -169,6 +169,23 @@ static kn_status put_solid(kn_ctx *ctx, kn_step_join *j, kn_text *out, const kn_
 
 // ---- items ----
 
+// The edge, once all faces are known that use it: with what they call it in their own parameters.
+static void put_edge(kn_step_join *j, kn_text *out, const kn_brep_name *name)
+{
+    uint64_t curve = name->edge - 1, pcurve[2] = {name->pcurve[0], name->pcurve[1]};
+    if (pcurve[0] == 0) pcurve[0] = pcurve[1], pcurve[1] = 0;
+    if (pcurve[0] > 0) {
+        put_form(out, j->next,
+                 name->seam       ? "SEAM_CURVE('',#,(#,#),.CURVE_3D.);"
+                 : pcurve[1] == 0 ? "SURFACE_CURVE('',#,(#),.CURVE_3D.);"
+                                  : "SURFACE_CURVE('',#,(#,#),.CURVE_3D.);",
+                 (uint64_t[]){curve, pcurve[0], pcurve[1]});
+        curve = j->next++;
+    }
+    put_form(out, name->edge, "EDGE_CURVE('',#,#,#,.T.);", (uint64_t[]){name->vertex[0], name->vertex[1], curve});
+}
+
+// Edges that wait for another face are not written yet: kn_brep_next_edge.
 static void put_edges(kn_step_join *j, kn_text *out, const kn_step_item *item, const kn_brep_name *names,
                       uint64_t base, const char *data)
 {
@@ -177,13 +194,13 @@ static void put_edges(kn_step_join *j, kn_text *out, const kn_step_item *item, c
         for (int k = 0; k < 2; k++)
             if (names[i].new_vertex[k])
                 put_form(out, names[i].vertex[k], "VERTEX_POINT('',#);", (uint64_t[]){base + item->corner[i][k]});
+        if (names[i].last && !names[i].new_edge) put_edge(j, out, &names[i]);
         if (!names[i].new_edge) continue;
         size_t from = e > 0 ? item->curve_end[e - 1] : item->text_end;
         kn_text_expand(out, data + from, item->curve_begin[e] - from, base);
         kn_step_put_number(out, names[i].edge - 1);
         kn_text_expand(out, data + item->curve_begin[e], item->curve_end[e] - item->curve_begin[e], base);
-        put_form(out, names[i].edge, "EDGE_CURVE('',#,#,#,.T.);",
-                 (uint64_t[]){names[i].vertex[0], names[i].vertex[1], names[i].edge - 1});
+        if (names[i].last) put_edge(j, out, &names[i]);
     }
     for (int i = 0; i < item->nedges; i++)
         put_form(out, j->next + (uint64_t)i,
@@ -272,8 +289,13 @@ kn_status kn_step_join_item(kn_ctx *ctx, kn_step_join *j, kn_text *out, const kn
         status = list(ctx, j, &look->loose, base + item->main, item->look);
     } else {
         int closed = KN_BREP_NONE;
+        kn_brep_edge edges[4];
+        for (int i = 0; i < item->nedges; i++) {
+            edges[i] = item->edges[i];
+            edges[i].pcurve = item->pcurve[i] > 0 ? base + item->pcurve[i] : 0;
+        }
         if (item->nedges > 0)
-            status = kn_brep_add(ctx, j->brep, item->edges, item->nedges, item->pair, item->npairs, &j->next, names);
+            status = kn_brep_add(ctx, j->brep, edges, item->nedges, item->pair, item->npairs, &j->next, names);
         if (status != KN_OK) return status;
         uint64_t loop = put_loop(j, out, item, names, base, data);
         put_face(j, out, item, base, loop);
@@ -461,7 +483,15 @@ static kn_status put_end(kn_ctx *ctx, kn_step_join *j, kn_text *out, open_shell 
     int nitems = 0;
     bool written;
     items[nitems++] = j->origin + KN_STEP_PLACEMENT;
-    kn_status status = put_host_shells(ctx, j, out, put, user);
+    kn_brep_open_edge open;
+    kn_status status = KN_OK;
+    for (size_t at = 0; status == KN_OK && kn_brep_next_edge(j->brep, &at, &open);) {
+        put_edge(
+            j, out,
+            &(kn_brep_name){.vertex = {open.vertex[0], open.vertex[1]}, .edge = open.edge, .pcurve = {open.pcurve}});
+        if (out->bytes > LONG_TEXT) status = put(user, out);
+    }
+    if (status == KN_OK) status = put_host_shells(ctx, j, out, put, user);
     if (status == KN_OK) status = put_shells(ctx, j, out, shells, put, user);
     for (int i = 0; i < j->nlooks && status == KN_OK; i++) {
         uint64_t first = look_number(j, i);

@@ -55,6 +55,18 @@ void kn_step_put_breaks(kn_text *text, const kn_step_axis *x, bool turned)
     kn_text_char(text, ')');
 }
 
+void kn_step_put_form(kn_text *text, uint32_t number, const char *form, const uint32_t *references)
+{
+    kn_step_put_relative(text, number);
+    for (; *form; form++) {
+        if (*form == '#')
+            kn_text_relative(text, *references++);
+        else
+            kn_text_char(text, *form);
+    }
+    kn_text_newline(text);
+}
+
 // ---- loading ----
 
 kn_status kn_step_load_axis(kn_ctx *ctx, kn_step_axis *x, const kn_spline *s, int var)

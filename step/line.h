@@ -26,6 +26,8 @@ typedef struct kn_step_line {
 void kn_step_put_relative(kn_text *text, uint32_t k);
 // "#k=CARTESIAN_POINT(..);" of dim numbers.
 void kn_step_put_point(kn_text *text, uint32_t k, const double *x, int dim);
+// "#number=" and the form, whose every '#' is the next one of the references, all of them counted from the patch.
+void kn_step_put_form(kn_text *text, uint32_t number, const char *form, const uint32_t *references);
 void kn_step_put_logical(kn_text *text, bool value);
 // "(..)" of an axis: multiplicities, or the knots; turned: those of the curve that runs the other way.
 void kn_step_put_times(kn_text *text, const kn_step_axis *x, bool turned);

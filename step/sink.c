@@ -292,6 +292,7 @@ kn_status kn_step_sink(kn_ctx *ctx, kn_sink *out, const char *path, const kn_ste
     if (s == NULL) return KN_ENOMEM;
     kn_status status = copy_options(ctx, s, &o);
     if (status == KN_OK) status = kn_out_open(ctx, &s->file, path);
+    if (status == KN_OK && o.filter) status = kn_out_set_filter(ctx, s->file, o.filter);
     if (status != KN_OK) {
         step_close(ctx, s);
         return status;

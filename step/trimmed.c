@@ -176,19 +176,6 @@ static void put_list(kn_text *text, uint32_t first, int n)
     kn_text_char(text, ')');
 }
 
-// Its number and the form, whose every '#' is the next one of the references.
-static void put_form(kn_text *text, uint32_t number, const char *form, const uint32_t *references)
-{
-    kn_step_put_relative(text, number);
-    for (; *form; form++) {
-        if (*form == '#')
-            kn_text_relative(text, *references++);
-        else
-            kn_text_char(text, *form);
-    }
-    kn_text_newline(text);
-}
-
 // A polyline over the knots 0 .. n - 1.
 static void put_plane_curve(kn_text *text, const edge *e, uint32_t number, uint32_t points)
 {
@@ -219,15 +206,15 @@ static void put_edge(const trimmed *t, const edge *e, uint32_t from, uint32_t to
     line.first = points;
     kn_step_put_line_points(text, &line);
     for (int k = 0; k < e->n; k++) kn_step_put_point(text, plane + (uint32_t)k, e->plane[k], 2);
-    put_form(text, f, "VERTEX_POINT('',#);", (uint32_t[]){points});
+    kn_step_put_form(text, f, "VERTEX_POINT('',#);", (uint32_t[]){points});
     kn_step_put_relative(text, f + 1);
     kn_step_put_line(text, &line, false, false);
     put_plane_curve(text, e, f + 2, plane);
-    put_form(text, f + 3, "DEFINITIONAL_REPRESENTATION('',(#),#);", (uint32_t[]){f + 2, context});
-    put_form(text, f + 4, "PCURVE('',#,#);", (uint32_t[]){(uint32_t)t->net.n, f + 3});
-    put_form(text, f + 5, "SURFACE_CURVE('',#,(#),.CURVE_3D.);", (uint32_t[]){f + 1, f + 4});
-    put_form(text, f + 6, "EDGE_CURVE('',#,#,#,.T.);", (uint32_t[]){from, to, f + 5});
-    put_form(text, f + 7, "ORIENTED_EDGE('',*,*,#,.T.);", (uint32_t[]){f + 6});
+    kn_step_put_form(text, f + 3, "DEFINITIONAL_REPRESENTATION('',(#),#);", (uint32_t[]){f + 2, context});
+    kn_step_put_form(text, f + 4, "PCURVE('',#,#);", (uint32_t[]){(uint32_t)t->net.n, f + 3});
+    kn_step_put_form(text, f + 5, "SURFACE_CURVE('',#,(#),.CURVE_3D.);", (uint32_t[]){f + 1, f + 4});
+    kn_step_put_form(text, f + 6, "EDGE_CURVE('',#,#,#,.T.);", (uint32_t[]){from, to, f + 5});
+    kn_step_put_form(text, f + 7, "ORIENTED_EDGE('',*,*,#,.T.);", (uint32_t[]){f + 6});
 }
 
 static double area_of(const trimmed *t, int first, int last)
@@ -262,11 +249,11 @@ static void put_loop(const trimmed *t, int first, int last, uint32_t context, ui
     }
     kn_text_put(text, "));");
     kn_text_newline(text);
-    put_form(text, bound,
-             area_of(t, first, last) > 0.0
-                 ? (t->patch->reversed ? "FACE_OUTER_BOUND('',#,.F.);" : "FACE_OUTER_BOUND('',#,.T.);")
-                 : (t->patch->reversed ? "FACE_BOUND('',#,.F.);" : "FACE_BOUND('',#,.T.);"),
-             (uint32_t[]){bound + 1});
+    kn_step_put_form(text, bound,
+                     area_of(t, first, last) > 0.0
+                         ? (t->patch->reversed ? "FACE_OUTER_BOUND('',#,.F.);" : "FACE_OUTER_BOUND('',#,.T.);")
+                         : (t->patch->reversed ? "FACE_BOUND('',#,.F.);" : "FACE_BOUND('',#,.T.);"),
+                     (uint32_t[]){bound + 1});
 }
 
 // ---- the face ----
@@ -285,10 +272,10 @@ static uint32_t put_all(trimmed *t, const kn_step_naming *naming, const char *pa
     join_vertices(t);
     kn_step_put_points(text, &t->net);
     kn_step_put_surface(text, &t->net);
-    put_form(text, context,
-             "(GEOMETRIC_REPRESENTATION_CONTEXT(2)PARAMETRIC_REPRESENTATION_CONTEXT()"
-             "REPRESENTATION_CONTEXT('2D SPACE',''));",
-             NULL);
+    kn_step_put_form(text, context,
+                     "(GEOMETRIC_REPRESENTATION_CONTEXT(2)PARAMETRIC_REPRESENTATION_CONTEXT()"
+                     "REPRESENTATION_CONTEXT('2D SPACE',''));",
+                     NULL);
     for (int i = 0, first = 0; i < trim->nloops; first = trim->loop_end[i++])
         put_loop(t, first, trim->loop_end[i], context, bounds + LOOP_NUMBERS * (uint32_t)i);
     kn_step_name(name, naming, &t->patch->id, part, true, t->patch->exact);

@@ -49,6 +49,7 @@ typedef struct kn_step_item {
     bool along[4]; // the loop runs along the curve
     kn_brep_edge edges[4];
     uint32_t corner[4][2];
+    uint32_t pcurve[4]; // of each edge, 0: none
     kn_brep_key pair[4][2];
     int npairs;
 } kn_step_item;
