@@ -4,6 +4,9 @@
 
 #include <string.h>
 
+#if KN_WITH_ZLIB
+#include "bridges/zlib/gzip.h"
+#endif
 #if KN_WITH_TINYGLTF
 #include "bridges/tinygltf/gltf.h"
 #endif
@@ -17,17 +20,32 @@ typedef struct writer {
     bool cad; // wants faces that are C1 inside
 } writer;
 
-static kn_status open_step(kn_ctx *ctx, kn_sink *out, const char *path, const cli_output_options *o)
+static double uncertainty(const cli_output_options *o)
 {
     const double usual = 1e-3;
-    kn_step_options options = {.unit_mm = o->unit_mm, .host = o->host};
-    options.uncertainty_mm = o->gap_mm > usual ? o->gap_mm : usual;
+    return o->gap_mm > usual ? o->gap_mm : usual;
+}
+
+static kn_status open_step(kn_ctx *ctx, kn_sink *out, const char *path, const cli_output_options *o)
+{
+    kn_step_options options = {.unit_mm = o->unit_mm, .host = o->host, .uncertainty_mm = uncertainty(o)};
     return kn_step_sink(ctx, out, path, &options);
 }
 
+#if KN_WITH_ZLIB
+static kn_status open_stpz(kn_ctx *ctx, kn_sink *out, const char *path, const cli_output_options *o)
+{
+    kn_filter filter = kn_gzip_filter(0);
+    kn_step_options options = {.unit_mm = o->unit_mm, .host = o->host, .uncertainty_mm = uncertainty(o)};
+    options.filter = &filter;
+    return kn_step_sink(ctx, out, path, &options);
+}
+#endif
+
 static kn_status open_iges(kn_ctx *ctx, kn_sink *out, const char *path, const cli_output_options *o)
 {
-    return kn_iges_sink(ctx, out, path, &(kn_iges_options){.unit_mm = o->unit_mm});
+    kn_iges_options options = {.unit_mm = o->unit_mm, .uncertainty_mm = uncertainty(o)};
+    return kn_iges_sink(ctx, out, path, &options);
 }
 
 static kn_status open_stl(kn_ctx *ctx, kn_sink *out, const char *path, const cli_output_options *o)
@@ -82,9 +100,12 @@ static const writer writers[] = {
     {"step", open_step, 100, 1500, 0, 4000, true}, {"stp", open_step, 100, 1500, 0, 4000, true},
     {"igs", open_iges, 100, 2500, 0, 500, true},   {"iges", open_iges, 100, 2500, 0, 500, true},
     {"g2", open_g2, 58, 90, 0, 0, false},          {"itd", open_itd, 62, 70, 0, 20, false},
-    {"vtu", open_vtu, 50, 90, 0, 1500, false},     {"mesh", open_mfem, 60, 200, 0, 300, false},
-    {"pov", open_pov, 0, 100, 70, 1500, false},    {"stl", open_stl, 0, 0, 50, 84, false},
+    {"vtu", open_vtu, 53.4, 90, 0, 1500, false},   {"mesh", open_mfem, 60, 200, 0, 300, false},
+    {"pov", open_pov, 0, 100, 61, 1500, false},    {"stl", open_stl, 0, 0, 50, 84, false},
     {"obj", open_obj, 0, 0, 75, 500, false},
+#if KN_WITH_ZLIB
+    {"stpz", open_stpz, 41, 160, 0, 1800, true},
+#endif
 #if KN_WITH_TINYGLTF
     {"glb", open_gltf, 0, 0, 26, 2000, false},     {"gltf", open_gltf, 0, 0, 35, 3000, false},
 #endif
@@ -107,12 +128,23 @@ bool cli_writes_cad(const char *path)
     return find(path)->cad;
 }
 
+bool cli_holds_trims(const char *path)
+{
+    return cli_writes_cad(path) || cli_has_ending(path, "g2") || cli_has_ending(path, "itd");
+}
+
 const char *cli_writable_endings(void)
 {
-#if KN_WITH_TINYGLTF
-    return ".step .stp .igs .iges .g2 .itd .vtu .mesh .pov .stl .obj .glb .gltf";
+    return ".step .stp .igs .iges .g2 .itd .vtu .mesh .pov .stl .obj"
+#if KN_WITH_ZLIB
+           " .stpz"
 #else
-    return ".step .stp .igs .iges .g2 .itd .vtu .mesh .pov .stl .obj (built without tinygltf: no .glb)";
+           " (built without zlib: no .stpz)"
+#endif
+#if KN_WITH_TINYGLTF
+           " .glb .gltf";
+#else
+           " (built without tinygltf: no .glb)";
 #endif
 }
 

@@ -18,6 +18,8 @@ struct kn_out_file {
     char *temporary; // the name that is there until commit; "" when writing to path directly
     size_t bytes;
     bool kept; // kn_out_save: a later run goes on with it
+    kn_filter filter;
+    void *filtering; // its state; NULL: no filter
 };
 
 // A name that nobody uses: "x" makes fopen create the file or fail, so two writers never share one.
@@ -121,13 +123,26 @@ kn_status kn_out_append(kn_ctx *ctx, kn_out_file *to, kn_out_file *from)
     return status;
 }
 
-kn_status kn_out_write(kn_ctx *ctx, kn_out_file *file, const void *data, size_t bytes)
+static kn_status write_bytes(kn_ctx *ctx, void *to, const void *data, size_t bytes)
 {
+    kn_out_file *file = to;
     errno = 0;
     if (bytes > 0 && fwrite(data, 1, bytes, file->stream) != bytes)
         return kn_fail_io(ctx, file->path, "cannot write", errno);
     file->bytes += bytes;
     return KN_OK;
+}
+
+kn_status kn_out_write(kn_ctx *ctx, kn_out_file *file, const void *data, size_t bytes)
+{
+    if (file->filtering) return file->filter.put(ctx, file->filtering, data, bytes, false, write_bytes, file);
+    return write_bytes(ctx, file, data, bytes);
+}
+
+kn_status kn_out_set_filter(kn_ctx *ctx, kn_out_file *file, const kn_filter *filter)
+{
+    file->filter = *filter;
+    return filter->begin(ctx, &file->filtering, filter->level);
 }
 
 kn_status kn_out_rewrite(kn_ctx *ctx, kn_out_file *file, size_t offset, const void *data, size_t bytes)
@@ -146,6 +161,10 @@ size_t kn_out_bytes(const kn_out_file *file)
 
 kn_status kn_out_commit(kn_ctx *ctx, kn_out_file *file)
 {
+    if (file->filtering) {
+        kn_status status = file->filter.put(ctx, file->filtering, "", 0, true, write_bytes, file);
+        if (status != KN_OK) return status;
+    }
     errno = 0;
     bool flushed = fflush(file->stream) == 0 && !ferror(file->stream);
     int error = errno;
@@ -161,8 +180,9 @@ kn_status kn_out_commit(kn_ctx *ctx, kn_out_file *file)
 
 kn_status kn_out_save(kn_ctx *ctx, kn_out_file *file, kn_state *state)
 {
-    if (file->temporary[0] == '\0')
-        return kn_fail(ctx, KN_EDOMAIN, "%s: what is written directly cannot be gone on with", file->path);
+    if (file->temporary[0] == '\0' || file->filtering)
+        return kn_fail(ctx, KN_EDOMAIN, "%s: what is written %s cannot be gone on with", file->path,
+                       file->filtering ? "through a filter" : "directly");
     errno = 0;
     if (fflush(file->stream) != 0 || fsync(fileno(file->stream)) != 0)
         return kn_fail_io(ctx, file->path, "cannot write", errno);
@@ -211,6 +231,7 @@ kn_status kn_out_restore(kn_ctx *ctx, kn_out_file *file, kn_state_reader *state)
 void kn_out_close(kn_ctx *ctx, kn_out_file *file)
 {
     if (file == NULL) return;
+    if (file->filtering) file->filter.end(ctx, file->filtering);
     if (file->stream != NULL) fclose(file->stream); // abandoned: its errors no longer matter
     if (!file->kept && file->temporary != NULL && file->temporary[0] != '\0') remove(file->temporary);
     kn_free(ctx, file->path);

@@ -3,7 +3,7 @@
 #ifndef IO_OUT_FILE_H
 #define IO_OUT_FILE_H
 
-#include <knurl/base.h>
+#include <knurl/io.h>
 
 #include "io/state.h"
 
@@ -14,6 +14,9 @@ typedef struct kn_out_file kn_out_file;
 
 // fails: KN_EIO (no such folder, no permission, path is a folder), KN_ENOMEM; *out unchanged.
 KN_CHECKED kn_status kn_out_open(kn_ctx *ctx, kn_out_file **out, const char *path);
+// From now on all bytes go through the filter, which is copied, on their way to the file: neither kn_out_rewrite,
+// kn_out_append from it nor kn_out_save then. fails: what its begin answers.
+KN_CHECKED kn_status kn_out_set_filter(kn_ctx *ctx, kn_out_file *file, const kn_filter *filter);
 // A second one for the same output, "path" and the suffix, for what cannot be told before the rest is known. Where path
 // is written to directly, a file without a name. fails: as kn_out_open.
 KN_CHECKED kn_status kn_out_open_beside(kn_ctx *ctx, kn_out_file **out, const kn_out_file *main, const char *suffix);
@@ -23,13 +26,14 @@ KN_CHECKED kn_status kn_out_append(kn_ctx *ctx, kn_out_file *to, kn_out_file *fr
 KN_CHECKED kn_status kn_out_write(kn_ctx *ctx, kn_out_file *file, const void *data, size_t bytes);
 // Overwrites bytes that were written before, at offset from the start; the place of the next append is unchanged.
 KN_CHECKED kn_status kn_out_rewrite(kn_ctx *ctx, kn_out_file *file, size_t offset, const void *data, size_t bytes);
-// Bytes appended so far; still known after commit.
+// Bytes that the file has so far; still known after commit.
 size_t kn_out_bytes(const kn_out_file *file);
 // Everything to the disk's care, every error looked at, then the rename. Afterwards only kn_out_bytes and
 // kn_out_close may be called. fails: KN_EIO; the file is removed by kn_out_close.
 KN_CHECKED kn_status kn_out_commit(kn_ctx *ctx, kn_out_file *file);
 // What is written so far goes to the disk, and stays there when the file is closed without a commit; state receives
-// what kn_out_restore needs. fails: KN_EIO, KN_EDOMAIN a path that is written to directly.
+// what kn_out_restore needs. fails: KN_EIO, KN_EDOMAIN a path that is written to directly, a
+// filter.
 KN_CHECKED kn_status kn_out_save(kn_ctx *ctx, kn_out_file *file, kn_state *state);
 // Goes on with the bytes that were there at kn_out_save: what was written after it is cut off, and what this handle has
 // written is forgotten. fails: KN_EIO, KN_EDOMAIN a state of another path, a file that is shorter; file unchanged.

@@ -11,11 +11,13 @@ packages="$packages libjansson-dev libtinygltf-dev nlohmann-json3-dev libstb-dev
  libcairo2-dev fonts-dejavu-core"
 # expressions; meshes as tiles
 packages="$packages libmuparser-dev libopenmesh-dev lib3mf-dev"
+# compressed STEP files
+packages="$packages zlib1g-dev"
 # reading STEP back in tests
 packages="$packages libocct-data-exchange-dev libocct-ocaf-dev libocct-modeling-algorithms-dev
  libocct-modeling-data-dev libocct-foundation-dev"
-# the test framework, a checker of STL files, the library that benchmarks compare with
-packages="$packages libcmocka-dev admesh libsisl-dev"
+# the test framework, a checker of STL files, a mesher that reads STEP, the library that benchmarks compare with
+packages="$packages libcmocka-dev admesh gmsh libsisl-dev"
 # exact arithmetic, the oracle of the tests
 packages="$packages libflint-dev libflint-arb-dev"
 

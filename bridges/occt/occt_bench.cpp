@@ -135,13 +135,13 @@ kn_status kn_occt_bench_grid(kn_ctx *ctx, kn_occt_bench **out, int nu, int nv,
     return status;
 }
 
-kn_status kn_occt_bench_write(kn_ctx *ctx, const kn_occt_bench *bench, const char *path, bool iges)
+kn_status kn_occt_bench_write(kn_ctx *ctx, const kn_occt_bench *bench, const char *path, kn_occt_writer how)
 {
     return kn_occt::guarded(ctx, path, [&] {
         bool written = false;
-        if (iges) {
+        if (how != KN_OCCT_STEP) {
             IGESControl_Controller::Init();
-            IGESControl_Writer writer("MM", 1);
+            IGESControl_Writer writer("MM", how == KN_OCCT_IGES_BREP);
             written = writer.AddShape(bench->shell);
             writer.ComputeModel();
             written = written && writer.Write(path);

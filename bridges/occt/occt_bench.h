@@ -16,8 +16,14 @@ typedef struct kn_occt_bench kn_occt_bench;
 // kn_occt_bench_close. fails: KN_EUNDECIDED (OCCT threw), KN_ENOMEM; *out unchanged.
 KN_CHECKED kn_status kn_occt_bench_grid(kn_ctx *ctx, kn_occt_bench **out, int nu, int nv,
                                         void (*net)(double point[16][3], int i, int j));
-// Writes it with OCCT's STEP or IGES writer (B-rep mode), without curves in the plane. fails: KN_EIO, KN_EUNDECIDED.
-KN_CHECKED kn_status kn_occt_bench_write(kn_ctx *ctx, const kn_occt_bench *bench, const char *path, bool iges);
+typedef enum kn_occt_writer {
+    KN_OCCT_STEP,      // without curves in the plane
+    KN_OCCT_IGES,      // as trimmed surfaces, which is what it does unless told
+    KN_OCCT_IGES_BREP, // as a shell
+} kn_occt_writer;
+// fails: KN_EIO, KN_EUNDECIDED.
+KN_CHECKED kn_status kn_occt_bench_write(kn_ctx *ctx, const kn_occt_bench *bench, const char *path,
+                                         kn_occt_writer how);
 void kn_occt_bench_close(kn_occt_bench *bench); // NULL is fine
 
 #ifdef __cplusplus

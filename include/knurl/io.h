@@ -68,6 +68,17 @@ KN_API KN_CHECKED kn_status kn_read_tile(kn_ctx *ctx, kn_tile *out, const char *
 
 // ---- writers ----
 
+// What turns the bytes of a writer into those of its file: a compressor (bridges/zlib: kn_gzip_filter). The core has
+// none. put: any number of times, `last` with the last one; it gives what there is to write to write(to, ..), whose
+// failures it answers.
+typedef struct kn_filter {
+    kn_status (*begin)(kn_ctx *ctx, void **state, int level);
+    kn_status (*put)(kn_ctx *ctx, void *state, const void *data, size_t bytes, bool last,
+                     kn_status (*write)(kn_ctx *ctx, void *to, const void *data, size_t bytes), void *to);
+    void (*end)(kn_ctx *ctx, void *state); // NULL is fine
+    int level;
+} kn_filter;
+
 // Sinks for kn_job_run that write a new file beside path and give it the name when the job has ended: path is whole
 // or as it was before. A path that exists and is neither file nor folder (a pipe, /dev/null) is written to directly.
 // out:    overwritten; kn_sink_close removes the file unless the job ended well. bytes: what is written so far.

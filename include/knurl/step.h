@@ -3,7 +3,7 @@
 #ifndef KNURL_STEP_H
 #define KNURL_STEP_H
 
-#include <knurl/job.h>
+#include <knurl/io.h>
 
 #ifdef __cplusplus
 extern "C" {
@@ -60,6 +60,8 @@ typedef struct kn_step_options {
     const char *const *surface_names; // of the base's, in the place of "s0", "s1" .., nsurfaces of them, copied;
     int nsurfaces;                    // NULL or "": that
     const kn_step_host *host;         // borrowed until the sink is closed, of the same schema; NULL: none
+    // Of the whole file; NULL: none. Such a file cannot be gone on with (kn_run_with_journal).
+    const kn_filter *filter;
 } kn_step_options;
 
 // A sink that writes a STEP file as those of io.h do (a new file beside path, named when the job has ended), in
