@@ -109,7 +109,9 @@ static kn_status make_plan(kn_ctx *ctx, cli_body_run *run, const cli_apply *a, c
     for (int s = 0; s < base->nsurfaces; s++) any = any || run->face[s] >= 0;
     if (status != KN_OK || run->plan.why[0]) return status;
     cli_border_sort(&run->border);
-    if (any) return cli_body_plan_add(ctx, &run->plan, &base->cad, run->face, NULL, base->nsurfaces, &run->border);
+    if (any)
+        return cli_body_plan_add(ctx, &run->plan, &base->cad, run->face, base->joined.turns, base->nsurfaces,
+                                 &run->border);
     snprintf(run->plan.why, sizeof run->plan.why,
              "the tile leaves gaps: it stands on its faces and does not replace them");
     return KN_OK;

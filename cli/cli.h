@@ -98,9 +98,10 @@ typedef struct cli_base {
     kn_spline *surfaces;
     int nsurfaces;
     const char *path;
-    kn_cad cad;     // of a CAD file; else empty
-    int *face;      // of the model, that each surface is
-    kn_trim *trims; // of the surfaces, empty where a face is whole; NULL: all are
+    kn_cad cad;           // of a CAD file; else empty
+    int *face;            // of the model, that each surface is
+    kn_trim *trims;       // of the surfaces, empty where a face is whole; NULL: all are
+    kn_cad_joined joined; // what became of the edges between several faces; its surfaces are the base's
 } cli_base;
 int cli_read_base(cli_session *session, cli_base *out, const char *path, bool volumes); // exit code
 void cli_base_clear(cli_session *session, cli_base *base);
@@ -114,6 +115,12 @@ kn_status cli_run_cad(kn_ctx *ctx, unsigned char **data, size_t *bytes, const ch
 kn_status cli_read_cad(kn_ctx *ctx, kn_cad *out, const char *path);
 // kn_read_model, and of CAD files the surfaces of all faces, whole.
 kn_status cli_read_model(kn_ctx *ctx, kn_model *out, const char *path);
+struct cli_job;
+// Faces that meet smoothly become one domain, as the jobs' options ask; where some stay apart and --trimmed is not
+// given, heights fall off to nothing there.
+kn_status cli_join_faces(kn_ctx *ctx, struct cli_job *jobs, int njobs, cli_base *base);
+struct json_t *cli_joined_json(const kn_cad_joined *joined); // NULL: of no edge
+void cli_print_joined(const kn_cad_joined *joined);
 // A built-in tile by name, or a tile from a file; cell: u0, v0, u1, v1 or NULL.
 int cli_read_tile(cli_session *session, kn_tile *out, const char *name, const double *cell);
 // A mesh by its ending: .obj .stl .ply .off .3mf .glb .gltf.
@@ -143,8 +150,7 @@ typedef struct cli_theme {
 } cli_theme;
 enum { CLI_THEMES = 9, CLI_THEME_OPTIONS = 64, CLI_JOB_OPTIONS = CLI_THEMES * CLI_THEME_OPTIONS };
 extern const cli_theme cli_texture_options, cli_placement_options, cli_selection_options, cli_view_options,
-    cli_variation_options, cli_color_options, cli_exactness_options, cli_body_options,
-    cli_running_options;
+    cli_variation_options, cli_color_options, cli_exactness_options, cli_body_options, cli_running_options;
 const cli_theme *cli_theme_of(int theme);
 
 // A length that may name its unit: 3mm.
@@ -216,13 +222,16 @@ typedef struct cli_job {
     int faces[CLI_MAX_FACES], nfaces, nvary;
     const char *face_text[CLI_MAX_FACE_TEXTS]; // that a CAD file is to be asked for
     int *chosen, nface_texts;                  // chosen: surfaces, once cli_choose_faces has found them
-    int max_degree; // of faces in CAD files; 0: 25
-    bool merge;     // faces of several patches in CAD files
-    int on; // the layer that is its base, counted from 1; 0: the recipe's base
+    int max_degree;                            // of faces in CAD files; 0: 25
+    bool merge;                                // faces of several patches in CAD files
+    int on;                                    // the layer that is its base, counted from 1; 0: the recipe's base
     int threads;
     bool has_cell, has_size, has_camera;
     cli_body_mode body;
-    bool base_only; // it is not written itself
+    double join_angle; // degrees; 0: the default
+    bool no_join;
+    const kn_cad_joined *joined; // the base's; NULL: it is one face, or no CAD file
+    bool base_only;              // it is not written itself
     bool json, quiet;
     bool recipe_cells;        // count or size came from a recipe: an option replaces them
     bool recipe_faces;        // likewise
@@ -343,7 +352,10 @@ typedef struct cli_output_options {
     bool obj_surfaces;        // curves and surfaces in .obj files instead of triangles
 } cli_output_options;
 kn_status cli_open_sink(kn_ctx *ctx, kn_sink *out, const char *path, const cli_output_options *options);
-bool cli_writes_cad(const char *path); // of those that can be written
+bool cli_writes_cad(const char *path);  // of those that can be written
+bool cli_holds_trims(const char *path); // trimmed surfaces as such, not as triangles
+// The faces of a CAD file through sinks; trims_held: whole, else piece by piece.
+kn_status cli_stream_cad(kn_ctx *ctx, const kn_cad *cad, const char *name, bool trims_held, kn_sink *sinks, int nsinks);
 const char *cli_writable_endings(void);
 // Bytes that a writer will need, estimated before anything is composed.
 double cli_estimate_bytes(const char *path, const kn_job_report *report);
@@ -355,7 +367,8 @@ struct cli_plan;
 struct cli_fit;
 struct cli_body_run;
 void cli_print_apply(const cli_apply *apply, const struct cli_plan *plan, const struct cli_fit *fit,
-                     const struct cli_body_run *body, const double *bytes, const cli_timing *timing, size_t peak_bytes);
+                     const struct cli_body_run *body, const double *bytes, const cli_timing *timing,
+                     size_t peak_bytes);
 
 // ---- info ----
 // Creases, poles, apexes and places without a normal of a model's surfaces, as arrays in notes; and as lines of text.

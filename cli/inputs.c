@@ -75,6 +75,7 @@ void cli_base_clear(cli_session *session, cli_base *base)
     kn_free(cli_ctx(session), base->trims);
     kn_free(cli_ctx(session), base->face);
     kn_cad_clear(cli_ctx(session), &base->cad);
+    kn_cad_joined_clear(cli_ctx(session), &base->joined);
     *base = (cli_base){0};
 }
 
@@ -181,5 +182,6 @@ int cli_choose_faces(cli_session *session, cli_job *jobs, int njobs, cli_base *b
         cli_warn(session, "%s: all its %d faces are meant; --faces chooses some, 'knurl info' lists them", base->path,
                  nfaces);
     kn_status status = choose(cli_ctx(session), jobs, njobs, base);
+    if (status == KN_OK) status = cli_join_faces(cli_ctx(session), jobs, njobs, base);
     return status == KN_OK ? EXIT_OK : cli_fail_on(session, status, base->path, true);
 }

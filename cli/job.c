@@ -64,13 +64,14 @@ const char *cli_job_conflict(const cli_job *job)
     bool direction = job->field[CLI_FIELD_DIRECTION].given, attraction = job->field[CLI_FIELD_ATTRACTION].given;
     bool normal = cli_job_was_given(job, cli_job_find_key("normal", CLI_OF_RECIPE, NULL));
     bool view = job->view.pixels[0] > 0 || job->view.least_pixels > 0 || job->view.hidden;
-    bool clips = o->placement.border[0] == KN_BORDER_CLIP || o->placement.border[1] == KN_BORDER_CLIP;
+    bool clips = o->placement.border[0] == KN_BORDER_CLIP || o->placement.border[1] == KN_BORDER_CLIP ||
+                 o->trimmed != KN_TRIMMED_KEEP;
     bool power = cli_job_was_given(job, cli_job_find_key("attraction_power", CLI_OF_LAYER, NULL));
     return o->count[0] && job->has_size ? "--count and --size exclude each other"
            : direction && normal        ? "--normal and --direction exclude each other"
            : power && !attraction       ? "--attraction-power needs --attraction"
            : job->crossing_tol.value > 0 && o->crossing == KN_CROSSING_REFUSE && !clips
-               ? "--crossing-tol needs --crossing trim or approximate, or --border clip"
+               ? "--crossing-tol needs --crossing trim or approximate, --border clip or --trimmed clip"
            : cli_color_lacks_field(&job->color) ? "--palette, --color-steps and --color-part need --color"
            : view && !job->has_camera           ? "--picture, --least-pixels and --hidden need --camera"
                                                 : NULL;

@@ -4,10 +4,10 @@
 
 #include <string.h>
 
-enum { SHIFT, STAGGER, MIRROR, BORDER, SCATTER, OPTIONS };
+enum { SHIFT, STAGGER, MIRROR, BORDER, SCATTER, TRIMMED, OPTIONS };
 static const cli_option options[OPTIONS] = {
     [SHIFT] = {"shift", 0, CLI_TEXT},   [STAGGER] = {"stagger", 0, CLI_TEXT}, [MIRROR] = {"mirror", 0, CLI_TEXT},
-    [BORDER] = {"border", 0, CLI_TEXT}, [SCATTER] = {"scatter", 0, CLI_TEXT},
+    [BORDER] = {"border", 0, CLI_TEXT}, [SCATTER] = {"scatter", 0, CLI_TEXT}, [TRIMMED] = {"trimmed", 0, CLI_TEXT},
 };
 
 static bool set_mirror(const char *name, const char *text, kn_job_placement *p)
@@ -37,6 +37,15 @@ static bool set_border(const char *name, const char *text, kn_job_placement *p)
     return true;
 }
 
+static bool set_trimmed(const char *name, const char *text, kn_job_options *o)
+{
+    static const char *const names[] = {
+        [KN_TRIMMED_KEEP] = "keep", [KN_TRIMMED_CLIP] = "clip", [KN_TRIMMED_TAPER] = "taper"};
+    int i = cli_choice(name, text, names, 3, "keep, clip or taper");
+    if (i >= 0) o->trimmed = (kn_job_trimmed)i;
+    return i >= 0;
+}
+
 static bool set(cli_job *job, const char *name, int option, const char *text)
 {
     kn_job_placement *p = &job->options.placement;
@@ -45,6 +54,7 @@ static bool set(cli_job *job, const char *name, int option, const char *text)
     case STAGGER: return cli_shift_pair(name, text, p->stagger);
     case MIRROR: return set_mirror(name, text, p);
     case BORDER: return set_border(name, text, p);
+    case TRIMMED: return set_trimmed(name, text, &job->options);
     case SCATTER: return cli_positive_length(name, text, &job->scatter);
     default: return false;
     }

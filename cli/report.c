@@ -133,6 +133,7 @@ static void print_json(const cli_apply *a, const cli_plan *plan, const cli_fit *
     if (a->recipe.nlayers > 1) json_object_set_new(o, "layers", layers_json(a, plan));
     json_object_set_new(o, "cells", json_integer((json_int_t)r->cells));
     json_object_set_new(o, "cells_dropped", dropped_json(r));
+    if (a->recipe.layer[0].joined) json_object_set_new(o, "edges", cli_joined_json(a->recipe.layer[0].joined));
     json_object_set_new(o, "patches", json_integer((json_int_t)r->patches));
     json_object_set_new(o, "exact_patches", json_integer((json_int_t)r->exact_patches));
     json_object_set_new(o, "faces", json_integer((json_int_t)(r->patches - r->curves - r->volumes - r->meshes)));
@@ -176,6 +177,7 @@ static void print_text(const cli_apply *a, const kn_job_report *r, const cli_fit
     printf("%zu cells of about %.3g, height %.3g, on %d surface%s\n", r->cells, r->cell_size, r->height, r->nsurfaces,
            r->nsurfaces == 1 ? "" : "s");
     print_dropped(r);
+    cli_print_joined(a->recipe.layer[0].joined);
     const kn_cells_spread *sp = &r->spread;
     if (sp->cells > 0)
         printf("cells %.3g to %.3g wide, %.3g to %.3g high; areas differ by a factor of %.3g\n", sp->width.min,

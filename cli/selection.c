@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { MASK, FACES, WITHIN_ANGLE, SKIP, DENSITY, SEED, SLAB, RANGE, OPTIONS };
+enum { MASK, FACES, WITHIN_ANGLE, SKIP, DENSITY, SEED, SLAB, RANGE, JOIN_ANGLE, NO_JOIN, OPTIONS };
 static const cli_option options[OPTIONS] = {
     [MASK] = {"mask", 0, CLI_FILE},
     [FACES] = {"faces", 0, CLI_TEXT},
@@ -17,6 +17,8 @@ static const cli_option options[OPTIONS] = {
     [SEED] = {"seed", 0, CLI_TEXT},
     [SLAB] = {"slab", 0, CLI_TEXT},
     [RANGE] = {"range", 0, CLI_TEXT},
+    [JOIN_ANGLE] = {"join-angle", 0, CLI_TEXT},
+    [NO_JOIN] = {"no-join", 0, CLI_NOTHING},
 };
 
 // A whole number at *at, which moves behind it.
@@ -139,6 +141,14 @@ static bool set_slab(cli_job *job, const char *name, const char *text)
     return job->options.select.slab = cli_length_pair(name, text, job->slab);
 }
 
+static bool set_join_angle(cli_job *job, const char *name, const char *text)
+{
+    if (!cli_double(name, text, &job->join_angle)) return false;
+    if (job->join_angle > 0 && job->join_angle <= 180) return true;
+    cli_error("%s: expected degrees above 0 and up to 180, got '%s'", name, text);
+    return false;
+}
+
 static bool set(cli_job *job, const char *name, int option, const char *text)
 {
     kn_job_selection *s = &job->options.select;
@@ -150,6 +160,8 @@ static bool set(cli_job *job, const char *name, int option, const char *text)
     case DENSITY: return set_density(s, name, text);
     case SEED: return set_seed(job, name, text);
     case SLAB: return set_slab(job, name, text);
+    case JOIN_ANGLE: return set_join_angle(job, name, text);
+    case NO_JOIN: return job->no_join = true;
     case RANGE: return set_range(s, name, text);
     default: return false;
     }
