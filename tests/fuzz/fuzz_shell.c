@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Fuzzes shells, tiles and jobs over small surfaces, and the sinks that jobs feed.
 #include "tests/fuzz/feed.h"
+#include <knurl/iges.h>
 #include <knurl/step.h>
 
 #include <knurl/knurl.h>
@@ -149,6 +150,7 @@ static kn_status open_sink(feed *f, kn_sink *sink)
     case 0: return kn_step_sink(f->ctx, sink, "/dev/null", &options);
     case 1: return kn_stl_sink(f->ctx, sink, "/dev/null");
     case 2: return kn_obj_sink(f->ctx, sink, "/dev/null/none/x.obj"); // no such place
+    case 3: return kn_iges_sink(f->ctx, sink, "/dev/null", &(kn_iges_options){.surfaces = feed_byte(f) % 2});
     default: return kn_null_sink(f->ctx, sink);
     }
 }
