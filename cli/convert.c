@@ -29,6 +29,12 @@ typedef struct request {
     bool obj_surfaces, json, quiet;
 } request;
 
+// What IN is: a model, or faces of a CAD file.
+typedef struct input {
+    kn_model model;
+    kn_cad cad;
+} input;
+
 // What went into one file.
 typedef struct outcome {
     kn_limit_summary limits;
@@ -122,7 +128,7 @@ static kn_status open_sinks(kn_ctx *ctx, kn_sink *out, const request *r, const c
     return status;
 }
 
-static kn_status write_one(kn_ctx *ctx, const request *r, const kn_model *model, const char *path, outcome *done)
+static kn_status write_one(kn_ctx *ctx, const request *r, const input *in, const char *path, outcome *done)
 {
     char name[KN_NAME_BYTES];
     kn_sink sink = {0};
@@ -134,7 +140,10 @@ static kn_status write_one(kn_ctx *ctx, const request *r, const kn_model *model,
                                  .max_degree = r->max_degree};
     cli_name_of(name, r->in);
     kn_status status = open_sinks(ctx, &sink, r, path, tol, done);
-    if (status == KN_OK) status = kn_stream_model(ctx, model, name, &o, &sink, 1);
+    if (status == KN_OK && in->cad.nfaces > 0)
+        status = cli_stream_cad(ctx, &in->cad, name, cli_holds_trims(path) || r->obj_surfaces, &sink, 1);
+    else if (status == KN_OK)
+        status = kn_stream_model(ctx, &in->model, name, &o, &sink, 1);
     if (status == KN_OK && sink.bytes) done->bytes = (double)sink.bytes(sink.user);
     kn_sink_close(ctx, &sink);
     return status;
@@ -160,23 +169,27 @@ static json_t *limits_json(const request *r, const kn_limit_summary *s)
                      "degree", s->degree[0], s->degree[1]);
 }
 
-static void print_json(const request *r, const kn_model *model, const outcome *done)
+static void print_json(const request *r, const input *in, const outcome *done)
 {
+    const kn_model *model = &in->model;
     json_t *files = json_array();
     for (int i = 0; i < r->nout; i++)
         json_array_append_new(files, json_pack("{s:o,s:I,s:o}", "file", cli_json_text(r->out[i]), "bytes",
                                                (json_int_t)done[i].bytes, "fit", limits_json(r, &done[i].limits)));
-    json_t *o = json_pack("{s:o,s:i,s:I,s:i,s:o}", "file", cli_json_text(r->in), "splines", model->nsplines,
-                          "triangles", (json_int_t)model->mesh.ntriangles, "left_out", left_out(model), "outputs",
-                          files);
+    json_t *o = json_pack("{s:o,s:i,s:i,s:I,s:i,s:o}", "file", cli_json_text(r->in), "splines", model->nsplines,
+                          "faces", in->cad.nfaces, "triangles", (json_int_t)model->mesh.ntriangles, "left_out",
+                          left_out(model), "outputs", files);
     json_dumpf(o, stdout, JSON_INDENT(2) | JSON_REAL_PRECISION(15));
     putchar('\n');
     json_decref(o);
 }
 
-static void print_text(const request *r, const kn_model *model, const outcome *done)
+static void print_text(const request *r, const input *in, const outcome *done)
 {
-    printf("%s: %d splines, %zu triangles\n", r->in, model->nsplines, model->mesh.ntriangles);
+    if (in->cad.nfaces > 0)
+        printf("%s: %d faces, %d bodies\n", r->in, in->cad.nfaces, in->cad.nbodies);
+    else
+        printf("%s: %d splines, %zu triangles\n", r->in, in->model.nsplines, in->model.mesh.ntriangles);
     for (int i = 0; i < r->nout; i++) {
         const kn_limit_summary *s = &done[i].limits;
         printf("%s  %.3g kB", r->out[i], done[i].bytes / 1000);
@@ -189,28 +202,30 @@ static void print_text(const request *r, const kn_model *model, const outcome *d
 
 // ---- the command ----
 
-static kn_status read_model(kn_ctx *ctx, kn_model *out, const char *path)
+static kn_status read_input(kn_ctx *ctx, input *out, const char *path)
 {
-    return cli_is_mesh(path) ? cli_read_mesh(ctx, &out->mesh, path) : kn_read_model(ctx, out, path);
+    if (cli_is_mesh(path)) return cli_read_mesh(ctx, &out->model.mesh, path);
+    return cli_is_cad(path) ? cli_read_cad(ctx, &out->cad, path) : kn_read_model(ctx, &out->model, path);
 }
 
 static int convert(cli_session *session, const request *r)
 {
     kn_ctx *ctx = cli_ctx(session);
-    kn_model model = {0};
+    input in = {0};
     outcome done[CLI_MAX_OUTPUTS] = {{.bytes = 0.0}};
-    kn_status status = read_model(ctx, &model, r->in);
+    kn_status status = read_input(ctx, &in, r->in);
     int code = status == KN_OK ? EXIT_OK : cli_fail_on(session, status, r->in, true);
-    if (code == EXIT_OK && left_out(&model) > 0)
-        cli_warn(session, "%s: %d of its %d splines do not lie in space and are left out", r->in, left_out(&model),
-                 model.nsplines);
+    if (code == EXIT_OK && left_out(&in.model) > 0)
+        cli_warn(session, "%s: %d of its %d splines do not lie in space and are left out", r->in, left_out(&in.model),
+                 in.model.nsplines);
     for (int i = 0; code == EXIT_OK && i < r->nout; i++) {
-        status = write_one(ctx, r, &model, r->out[i], &done[i]);
+        status = write_one(ctx, r, &in, r->out[i], &done[i]);
         if (status != KN_OK) code = cli_fail_on(session, status, r->in, false);
     }
-    if (code == EXIT_OK && r->json) print_json(r, &model, done);
-    if (code == EXIT_OK && !r->json && !r->quiet) print_text(r, &model, done);
-    kn_model_clear(ctx, &model);
+    if (code == EXIT_OK && r->json) print_json(r, &in, done);
+    if (code == EXIT_OK && !r->json && !r->quiet) print_text(r, &in, done);
+    kn_model_clear(ctx, &in.model);
+    kn_cad_clear(ctx, &in.cad);
     return code;
 }
 

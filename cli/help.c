@@ -74,6 +74,7 @@ static const char apply[] =
     "      --body replace|cover|none   of a CAD base, in STEP: the texture takes the place of the faces it covers (the\n"
     "                          default where the body stays closed), lies over them, or goes out alone\n"
     "      --merge             one face where patches form a smooth grid\n"
+    "      --step ap214|ap242|ap203   the protocol of STEP files (default: ap214)\n"
     "      --cells-tol L       how far free corners may change the surface (default: 1e-4 of a cell)\n"
     "      --crossing refuse|trim|approximate   of tiles across knot lines of the base: an error (the default), "
     "pieces\n"

@@ -26,19 +26,26 @@ static double uncertainty(const cli_output_options *o)
     return o->gap_mm > usual ? o->gap_mm : usual;
 }
 
-static kn_status open_step(kn_ctx *ctx, kn_sink *out, const char *path, const cli_output_options *o)
+static kn_status open_step_file(kn_ctx *ctx, kn_sink *out, const char *path, const cli_output_options *o,
+                                const kn_filter *filter)
 {
     kn_step_options options = {.unit_mm = o->unit_mm, .host = o->host, .uncertainty_mm = uncertainty(o)};
+    options.schema = o->schema, options.filter = filter;
+    if (o->host && o->schema != KN_STEP_AP214)
+        return kn_fail(ctx, KN_EDOMAIN, "%s: with a body of the base STEP files are AP214 (--step)", path);
     return kn_step_sink(ctx, out, path, &options);
+}
+
+static kn_status open_step(kn_ctx *ctx, kn_sink *out, const char *path, const cli_output_options *o)
+{
+    return open_step_file(ctx, out, path, o, NULL);
 }
 
 #if KN_WITH_ZLIB
 static kn_status open_stpz(kn_ctx *ctx, kn_sink *out, const char *path, const cli_output_options *o)
 {
     kn_filter filter = kn_gzip_filter(0);
-    kn_step_options options = {.unit_mm = o->unit_mm, .host = o->host, .uncertainty_mm = uncertainty(o)};
-    options.filter = &filter;
-    return kn_step_sink(ctx, out, path, &options);
+    return open_step_file(ctx, out, path, o, &filter);
 }
 #endif
 

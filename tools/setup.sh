@@ -18,6 +18,8 @@ packages="$packages libocct-data-exchange-dev libocct-ocaf-dev libocct-modeling-
  libocct-modeling-data-dev libocct-foundation-dev"
 # the test framework, a checker of STL files, a mesher that reads STEP, the library that benchmarks compare with
 packages="$packages libcmocka-dev admesh gmsh libsisl-dev"
+# pictures of the scenes that knurl writes, in tests (VTK, python3-vtk9, is used where it is there; it is large)
+packages="$packages povray"
 # exact arithmetic, the oracle of the tests
 packages="$packages libflint-dev libflint-arb-dev"
 

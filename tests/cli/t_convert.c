@@ -1,0 +1,143 @@
+// SPDX-License-Identifier: Apache-2.0
+// knurl convert: from one kind of file to others and back, what is refused, and exit codes.
+#include "tests/cli/command.h"
+
+#include <knurl/knurl.h>
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#if KN_WITH_OCCT
+#include "bridges/occt/occt_check.h"
+#endif
+
+static const char teapot[] = "data/teapot.bpt";
+
+// .g2 to .itd and back is the same text: every number is the same double.
+static void there_and_back(void **state)
+{
+    (void)state;
+    char g2[PATH_BYTES], itd[PATH_BYTES], again[PATH_BYTES];
+    size_t n, m;
+    test_tmp_path(g2, "pot.g2"), test_tmp_path(itd, "pot.itd"), test_tmp_path(again, "again.g2");
+    assert_int_equal(run("convert %s -o %s -o %s -q", teapot, g2, itd), 0);
+    assert_string_equal(printed, "");
+    assert_int_equal(run("convert %s -o %s --json", itd, again), 0);
+    json_t *o = printed_json();
+    assert_int_equal(json_integer_value(json_object_get(o, "splines")), 32);
+    assert_int_equal(json_integer_value(json_object_get(o, "left_out")), 0);
+    const json_t *file = json_array_get(json_object_get(o, "outputs"), 0);
+    char *a = test_read_file(g2, &n), *b = test_read_file(again, &m);
+    assert_int_equal(json_integer_value(json_object_get(file, "bytes")), m);
+    json_decref(o);
+    assert_int_equal(n, m);
+    assert_memory_equal(a, b, n);
+    free(a), free(b);
+    remove(g2), remove(itd), remove(again);
+}
+
+#if KN_WITH_OCCT
+static kn_occt_report look(const char *path)
+{
+    test_memory memory = TEST_MEMORY_INIT;
+    kn_ctx *ctx = test_ctx(&memory, 1);
+    kn_occt_model *model = NULL;
+    kn_occt_report report;
+    if (kn_occt_open_step(ctx, &model, path) != KN_OK) fail_msg("%s", kn_ctx_message(ctx));
+    assert_int_equal(kn_occt_check(ctx, &report, model), KN_OK);
+    kn_occt_close(ctx, model);
+    test_ctx_end(ctx, &memory);
+    return report;
+}
+#endif
+
+// A surface of degrees 3, 1 with a kink becomes two faces; one of degree 5 is limited to 3.
+static void to_step(void **state)
+{
+    (void)state;
+    char g2[PATH_BYTES], step[PATH_BYTES];
+    test_tmp_path(g2, "in.g2"), test_tmp_path(step, "out.step");
+    write_text(g2,
+               "200 1 0 0\n3 0\n7 4\n0 0 0 0 1 1 1 2 2 2 2\n2 2\n0 0 1 1\n"
+               "0 0 0\n1 0 1\n2 0 1\n3 0 0\n4 0 2\n5 0 2\n6 0 0\n0 9 0\n1 9 1\n2 9 1\n3 9 0\n4 9 2\n5 9 2\n6 9 0\n"
+               "200 1 0 0\n3 0\n6 6\n0 0 0 0 0 0 1 1 1 1 1 1\n2 2\n0 0 1 1\n"
+               "0 20 0\n1 20 1\n2 20 0\n3 20 2\n4 20 0\n5 20 0\n0 29 0\n1 29 1\n2 29 0\n3 29 2\n4 29 0\n5 29 0\n");
+    assert_int_equal(run("convert %s -o %s --unit cm --json", g2, step), 0);
+    json_t *o = printed_json();
+    assert_true(json_is_null(json_object_get(json_array_get(json_object_get(o, "outputs"), 0), "fit")));
+    json_decref(o);
+#if KN_WITH_OCCT
+    kn_occt_report r = look(step);
+    assert_int_equal(r.faces, 3);
+    assert_int_equal(r.valid_faces, 3);
+    assert_int_equal(r.max_degree, 5);
+    assert_true(r.hi[1] > 289 && r.hi[1] < 291); // cm in IN, mm in STEP
+#endif
+    assert_int_equal(run("convert %s -o %s --max-degree cubic --tol 0.001 --json", g2, step), 0);
+    o = printed_json();
+    const json_t *fit = json_object_get(json_array_get(json_object_get(o, "outputs"), 0), "fit");
+    double error = json_real_value(json_object_get(fit, "certified_error"));
+    assert_true(error > 0 && error <= 0.001);
+    assert_int_equal(json_integer_value(json_object_get(fit, "limited")), 1);
+    assert_int_equal(json_integer_value(json_object_get(fit, "exact")), 2);
+    json_decref(o);
+#if KN_WITH_OCCT
+    r = look(step);
+    assert_int_equal(r.faces, 3);
+    assert_int_equal(r.valid_faces, 3);
+    assert_int_equal(r.max_degree, 3);
+#endif
+    remove(g2), remove(step);
+}
+
+static void free_form_obj(void **state)
+{
+    (void)state;
+    char obj[PATH_BYTES], text[TEXT_BYTES];
+    test_tmp_path(obj, "pot.obj");
+    assert_int_equal(run("convert %s -o %s --obj-surfaces", teapot, obj), 0);
+    slurp(obj, text);
+    assert_non_null(strstr(text, "cstype bspline\ndeg 3 3\nsurf 0 1 0 1 -16 -15"));
+    assert_null(strstr(text, "\nf "));
+    assert_int_equal(run("convert %s -o %s --tol 0.1", teapot, obj), 0);
+    slurp(obj, text);
+    assert_non_null(strstr(text, "\nf "));
+    remove(obj);
+}
+
+static void what_is_refused(void **state)
+{
+    (void)state;
+    char g2[PATH_BYTES], out[PATH_BYTES];
+    test_tmp_path(g2, "bad.g2"), test_tmp_path(out, "out.itd");
+    assert_int_equal(run("convert"), 2);
+    assert_int_equal(run("convert %s", teapot), 2);
+    assert_int_equal(run("convert %s %s -o %s", teapot, teapot, out), 2);
+    assert_int_equal(run("convert %s -o out.foo", teapot), 2);
+    assert_non_null(strstr(complained, "no writer for 'out.foo'"));
+    assert_int_equal(run("convert %s -o %s --max-degree 2.5", teapot, out), 2);
+    assert_int_equal(run("convert %s -o %s --tol 0", teapot, out), 2);
+    assert_int_equal(run("convert %s -o %s --unit furlong", teapot, out), 2);
+    assert_int_equal(run("convert nowhere.g2 -o %s", out), 3);
+    assert_int_equal(run("convert nowhere.foo -o %s", out), 3);
+    write_text(g2, "200 1 0 0\n3 0\n2 2\n0 0 1 x\n");
+    assert_int_equal(run("convert %s -o %s", g2, out), 3);
+    assert_non_null(strstr(complained, "bad.g2:4"));
+    write_text(g2, "100 1 0 0\n1 0\n2 2\n0 0 1 1\n0\n1\n"); // nothing that lies in space
+    assert_int_equal(run("convert %s -o %s", g2, out), 3);
+    assert_false(exists(out));
+    assert_int_equal(run("convert %s -o /nowhere/x.itd", teapot), 1);
+    remove(g2);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(there_and_back),
+        cmocka_unit_test(to_step),
+        cmocka_unit_test(free_form_obj),
+        cmocka_unit_test(what_is_refused),
+    };
+    return cmocka_run_group_tests_name("cli/convert", tests, NULL, NULL);
+}
