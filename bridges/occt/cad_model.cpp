@@ -306,14 +306,17 @@ bool try_face(converter *k, const face &f)
         k->shapes.push_back(s);
         return true;
     } catch (const failed &failure) {
-        if (failure.status == KN_ENOMEM) throw;
+        if (failure.status == KN_ENOMEM) {
+            clear_face(k->ctx, out);
+            throw;
+        }
         why = kn_ctx_message(k->ctx);
         kn_ctx_clear_error(k->ctx);
     } catch (const Standard_Failure &failure) {
         const char *text = failure.GetMessageString();
         why = text && *text ? text : failure.DynamicType()->Name();
     }
-    clear_face(k->ctx, out);
+    clear_face(k->ctx, out); // it is not among those that count
     if (k->dropped++ == 0) k->why = "face " + std::to_string(k->shapes.size()) + ": " + why;
     return false;
 }
@@ -335,8 +338,9 @@ bool normal_at(gp_Vec *out, const shape &s, const use &u, double x)
     gp_Vec du, dv;
     s.surface->D1(at.X(), at.Y(), p, du, dv);
     *out = du.Crossed(dv);
-    double length = out->Magnitude();
-    if (!(length > 1e-12 * du.Magnitude() * dv.Magnitude() && length > 0.0)) return false;
+    double length = out->Magnitude(), a = du.Magnitude(), b = dv.Magnitude();
+    if (std::min(a, b) <= 1e-9 * std::max(a, b)) return false; // a pole: beyond it the cross product turns
+    if (!(length > 1e-12 * a * b && length > 0.0)) return false;
     *out /= s.reversed ? -length : length;
     return true;
 }

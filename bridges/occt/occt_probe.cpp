@@ -147,6 +147,23 @@ bool write(const TopoDS_Shape &shape, const char *path)
     return writer.AddShape(shape) && writer.Write(path);
 }
 
+// Gauss-Newton steps towards p, as long as they come nearer.
+gp_Pnt2d refined(const Handle(Geom_Surface) & surface, gp_Pnt2d at, const gp_Pnt &p)
+{
+    for (int i = 0; i < 20; i++) {
+        gp_Pnt q;
+        gp_Vec du, dv;
+        surface->D1(at.X(), at.Y(), q, du, dv);
+        gp_Vec r(q, p);
+        double a = du.Dot(du), b = du.Dot(dv), c = dv.Dot(dv), x = du.Dot(r), y = dv.Dot(r), det = a * c - b * b;
+        if (!(det > 1e-12 * a * c)) break;
+        gp_Pnt2d next(at.X() + (c * x - b * y) / det, at.Y() + (a * y - b * x) / det);
+        if (!(surface->Value(next.X(), next.Y()).Distance(p) < r.Magnitude())) break;
+        at = next;
+    }
+    return at;
+}
+
 int side_of(TopAbs_State state)
 {
     return state == TopAbs_IN ? 1 : state == TopAbs_ON ? 0 : -1;
@@ -201,6 +218,7 @@ kn_status kn_occt_probe_face(kn_ctx *ctx, kn_occt_place *out, const kn_occt_prob
         ShapeAnalysis_Surface projector(surface);
         gp_Pnt p(point[0], point[1], point[2]), q;
         gp_Pnt2d at = projector.ValueOfUV(p, 1e-9);
+        at = refined(surface, at, p); // it ends early on some splines
         kn_occt_place place = {};
         gp_Vec du, dv;
         surface->D1(at.X(), at.Y(), q, du, dv);
