@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Writing STEP and IGES: one open shell of n x n bicubic faces with shared edges and vertices, by knurl's sinks and by
-// Open CASCADE's writers, each in a process of its own, whose time and largest memory are taken. OCCT's time begins when
-// its faces are there; knurl's includes making the patches. Beside it what the machine could do: writing so many bytes
-// that are there already, and the text of so many numbers alone.
+// Writing STEP and IGES: one open shell of n x n bicubic faces with shared edges and vertices, by knurl's sinks and
+// by Open CASCADE's writers, each in a process of its own, whose time and largest memory are taken. OCCT's time
+// begins when its faces are there; knurl's includes making the patches. Beside it what the machine could do: writing
+// so many bytes that are there already, and the text of so many numbers alone.
 //     bench/exchange          OCCT writes IGES of 900 and 2,500 faces: its time grows with the square
 //     bench/exchange all      and of 10,000
 #include "bench/bench.h"

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Faces of an IGES file with the edges and vertices that they share; bodies that are closed become solids at once.
 //
-// Each vertex is a vertex list (502) of its own, each edge an edge list (504) behind its curve: so their numbers are all
-// that has to be kept of them.
+// Each vertex is a vertex list (502) of its own, each edge an edge list (504) behind its curve: so their numbers are
+// all that has to be kept of them.
 #include "iges/write.h"
 
 #include "io/color.h"

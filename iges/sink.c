@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A sink that writes patches as IGES while they are composed. The directory section comes before the parameters: these
-// wait in a file of their own.
+// A sink that writes patches as IGES while they are composed. The directory section comes before the parameters:
+// these wait in a file of their own.
 #include <knurl/iges.h>
 
 #include "iges/write.h"
@@ -25,7 +25,8 @@ typedef struct iges {
 
 // ---- begin ----
 
-// What can never fit is refused before anything is composed: numbers take two columns at least, and a face five lines.
+// What can never fit is refused before anything is composed: numbers take two columns at least, and a face five
+// lines.
 static kn_status take_report(kn_ctx *ctx, iges *s, const kn_job_report *report)
 {
     s->degree[0] = report->degree[0], s->degree[1] = report->degree[1];

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // Inside iges: the pieces of an IGES 5.3 file (US PRO/IPO-100).
 //
-// An entity is two lines of the directory section, which hold the number of its first parameter line and how many there
-// are, and its parameter lines, which hold the number of its first directory line: entity e has lines 2 e + 1 and 2 e +
-// 2, and is called by the former. Threads write the parameters of what refers to nothing, with blanks for the numbers
-// (surfaces and curves: nearly all of the file); then, in the job's order, entities get numbers, and those that refer to
-// others follow.
+// An entity is two lines of the directory section, which hold the number of its first parameter line and how many
+// there are, and its parameter lines, which hold the number of its first directory line: entity e has lines 2 e + 1
+// and 2 e + 2, and is called by the former. Threads write the parameters of what refers to nothing, with blanks for
+// the numbers (surfaces and curves: nearly all of the file); then, in the job's order, entities get numbers, and
+// those that refer to others follow.
 #ifndef IGES_WRITE_H
 #define IGES_WRITE_H
 

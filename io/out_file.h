@@ -17,8 +17,8 @@ KN_CHECKED kn_status kn_out_open(kn_ctx *ctx, kn_out_file **out, const char *pat
 // From now on all bytes go through the filter, which is copied, on their way to the file: neither kn_out_rewrite,
 // kn_out_append from it nor kn_out_save then. fails: what its begin answers.
 KN_CHECKED kn_status kn_out_set_filter(kn_ctx *ctx, kn_out_file *file, const kn_filter *filter);
-// A second one for the same output, "path" and the suffix, for what cannot be told before the rest is known. Where path
-// is written to directly, a file without a name. fails: as kn_out_open.
+// A second one for the same output, "path" and the suffix, for what cannot be told before the rest is known. Where
+// path is written to directly, a file without a name. fails: as kn_out_open.
 KN_CHECKED kn_status kn_out_open_beside(kn_ctx *ctx, kn_out_file **out, const kn_out_file *main, const char *suffix);
 // Appends all that was written to `from`, which can then only be closed, and is removed. fails: KN_EIO, KN_ENOMEM.
 KN_CHECKED kn_status kn_out_append(kn_ctx *ctx, kn_out_file *to, kn_out_file *from);
@@ -35,8 +35,9 @@ KN_CHECKED kn_status kn_out_commit(kn_ctx *ctx, kn_out_file *file);
 // what kn_out_restore needs. fails: KN_EIO, KN_EDOMAIN a path that is written to directly, a
 // filter.
 KN_CHECKED kn_status kn_out_save(kn_ctx *ctx, kn_out_file *file, kn_state *state);
-// Goes on with the bytes that were there at kn_out_save: what was written after it is cut off, and what this handle has
-// written is forgotten. fails: KN_EIO, KN_EDOMAIN a state of another path, a file that is shorter; file unchanged.
+// Goes on with the bytes that were there at kn_out_save: what was written after it is cut off, and what this handle
+// has written is forgotten. fails: KN_EIO, KN_EDOMAIN a state of another path, a file that is shorter; file
+// unchanged.
 KN_CHECKED kn_status kn_out_restore(kn_ctx *ctx, kn_out_file *file, kn_state_reader *state);
 // Frees the handle, and removes the file unless it was committed or saved. NULL is fine.
 void kn_out_close(kn_ctx *ctx, kn_out_file *file);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Inside io: a surface patch as writers of CAD files need it: its points in millimetres, its knots, its four edges, and
-// by which keys these meet others.
+// Inside io: a surface patch as writers of CAD files need it: its points in millimetres, its knots, its four edges,
+// and by which keys these meet others.
 #ifndef IO_PATCH_NET_H
 #define IO_PATCH_NET_H
 

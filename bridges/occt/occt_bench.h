@@ -11,8 +11,8 @@ extern "C" {
 
 typedef struct kn_occt_bench kn_occt_bench;
 
-// One shell of nu x nv bicubic faces with shared edges and vertices, curves in the plane included. net: the 16 control
-// points of face (i,j), the second variable fastest; those on edges are the same for both faces. *out:
+// One shell of nu x nv bicubic faces with shared edges and vertices, curves in the plane included. net: the 16
+// control points of face (i,j), the second variable fastest; those on edges are the same for both faces. *out:
 // kn_occt_bench_close. fails: KN_EUNDECIDED (OCCT threw), KN_ENOMEM; *out unchanged.
 KN_CHECKED kn_status kn_occt_bench_grid(kn_ctx *ctx, kn_occt_bench **out, int nu, int nv,
                                         void (*net)(double point[16][3], int i, int j));

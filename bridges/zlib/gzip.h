@@ -9,7 +9,8 @@
 extern "C" {
 #endif
 
-// A filter for writers whose files are then those of gzip -n: equal bytes give equal files. level: 1 (fast) .. 9; 0: 6.
+// A filter for writers whose files are then those of gzip -n: equal bytes give equal files. level: 1 (fast) .. 9; 0:
+// 6.
 kn_filter kn_gzip_filter(int level);
 
 // Whether a file begins as those of gzip do.

@@ -19,14 +19,15 @@ typedef struct kn_iges_options {
                    // sew themselves
 } kn_iges_options;
 
-// A sink that writes an IGES 5.3 file as those of io.h do (a new file beside path, named when the job has ended; until
-// then also one for the parameter section).
+// A sink that writes an IGES 5.3 file as those of io.h do (a new file beside path, named when the job has ended;
+// until then also one for the parameter section).
 // Millimetres. Each patch is a rational B-spline surface (128) on its own control points, and a face (510, 508) whose
 // edges (504, 126) and vertices (502) it shares, bit for bit, with its neighbours: bodies that close are manifold
 // solids (186, 514), the others open shells (514 form 2). Trimmed patches are trimmed surfaces (144, 142) with curves
 // in the plane of the parameters and in space (126), curves are 126. Colours: 314, one for each look in use; names as
 // those of STEP (step.h): 406 form 15.
-// fails: also KN_EUNDEFINED (a control point that is not finite, a weight that is not positive), KN_ELIMIT (more lines
+// fails: also KN_EUNDEFINED (a control point that is not finite, a weight that is not positive), KN_ELIMIT (more
+// lines
 //        than seven digits count: some 300,000 bicubic faces), KN_EDOMAIN (meshes; a time stamp that is none).
 // error: coordinates are the shortest decimals that read back as the same doubles; before that, one rounding for the
 //        unit unless it is 1, one for the projection of a rational point.

@@ -76,8 +76,8 @@ static void expect_valid(const trip *t)
 }
 
 // Both sides evaluate the same control points by convex combinations of de Boor's kind: each level rounds by at most
-// gamma(3) of the largest coordinate, over degree levels in each variable, and the projection of a rational point adds
-// a few more. 1e-12 of the largest coordinate is far above that for degree 25.
+// gamma(3) of the largest coordinate, over degree levels in each variable, and the projection of a rational point
+// adds a few more. 1e-12 of the largest coordinate is far above that for degree 25.
 static void expect_points(trip *t, double mm)
 {
     for (size_t i = 0; i < t->count; i++)

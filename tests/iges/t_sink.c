@@ -184,8 +184,8 @@ static void numbers(void **state)
 // Corner k of a cube, bit by bit: r x t points out.
 static const int cube[6][4] = {{0, 1, 2, 3}, {4, 6, 5, 7}, {0, 4, 1, 5}, {2, 3, 6, 7}, {0, 2, 4, 6}, {1, 5, 3, 7}};
 
-// A cube in two looks: twelve edges, eight vertices, one solid; without its lid a shell; with a face that looks inwards
-// no solid either.
+// A cube in two looks: twelve edges, eight vertices, one solid; without its lid a shell; with a face that looks
+// inwards no solid either.
 static void bodies(void **state)
 {
     (void)state;
