@@ -32,9 +32,10 @@ static void write_column(const target *to, const kn_bezier *b, size_t column)
             for (int k = 0; k <= last[2]; k++) m[i * to->step[0] + j * to->step[1] + k * to->step[2]] = *from++;
 }
 
-// The components of a tile, or of a part of one, each of the least degree in each variable that it has but for rounding:
-// where u runs along r alone and v along t alone, products have much lower degrees than those of the tile. Of u and v
-// the rounding of numbers near 1 counts, of w that of its own size.
+// The components of a tile, or of a part of one, each of the least degree in each variable that it has but for
+// rounding: where u runs along r alone and v along t alone, products have much lower degrees than those of the tile, and
+// along an edge between cells, where one of them is constant, they do not depend on S's degree across it. Of u and v the
+// rounding of numbers near 1 counts, of w that of its own size.
 typedef struct components {
     kn_bezier x[3];
 } components;

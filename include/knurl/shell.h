@@ -45,8 +45,8 @@ typedef struct kn_shell_options {
     // for m: more leave fewer spans, but tiles compose to higher degrees.
     int max_degree;
     int min_degree[2]; // and at least these, up to 12; 0: 3
-    // Where max_degree leaves knots of n between cell lines: degrees up to 18 instead, if their sum is no more than this;
-    // 0: never. Then n is one polynomial over every cell.
+    // Where max_degree leaves knots of n between cell lines: degrees up to 18 instead, if their sum is no more than
+    // this; 0: never. Then n is one polynomial over every cell.
     int cell_degree_sum;
     int max_spans; // knot intervals of n in one variable, beyond which refinement gives up; 0: 4096
 } kn_shell_options;
@@ -62,8 +62,10 @@ KN_API kn_shell_options kn_shell_defaults(void);
 // the edges beside it from those of neighbouring surfaces. An edge that is larger, up to 1e-4, is taken as it is; where
 // no normal is found then, the message says so.
 // KN_NORMAL_FITTED: degrees 3 .. max_degree in each variable, the lowest that do (with cell_degree_sum 1 .. 18, where
-//         max_degree is not enough); C2 or smoother wherever S is C3 or smoother (as far as these degrees go). n interpolates N/|N|, so that its coefficients along an edge depend on N/|N| and on the knots
-//         along that edge alone; where S is one point with one normal, n is one vector.
+//         max_degree is not enough); C2 or smoother wherever S is C3 or smoother, as far as these degrees go. n
+//         interpolates N/|N|, so that its coefficients along an edge depend on N/|N| and on the knots along that edge
+//         alone; over the seam of a closed S they are the same bit for bit; where S is one point with one normal, n is
+//         one vector.
 // KN_NORMAL_EXACT_DIRECTION: degrees of N plus 3 .. max_degree. n = N m, m a spline that interpolates 1/|N|: the
 //         angle error is rounding. n is as smooth as S_u x S_v and m. Along an edge that two surfaces share, and
 //         where they touch, their n agree when |S_u x S_v| of the two is the same but for one factor, and else to the
