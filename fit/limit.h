@@ -49,8 +49,8 @@ typedef struct kn_limit_fit {
     size_t worst;   // the span where it is largest, as far as that is known
     kn_parts rough; // the piece's largest numbers
 } kn_limit_fit;
-// *angle = a bound of the angle between the normals of a surface and of its fit along the edge where variable var ends,
-// error that of their distance. INFINITY: it could not be certified, as where the normal vanishes. KN_ENOMEM.
+// *angle = a bound of the angle between the normals of a surface and of its fit along the edge where variable var
+// ends, error that of their distance. INFINITY: it could not be certified, as where the normal vanishes. KN_ENOMEM.
 kn_status kn_limit_edge_angle(kn_ctx *ctx, double *angle, const kn_limit_fit *f, double error, int var, bool at_end);
 
 #endif

@@ -16,8 +16,8 @@
 
 enum { MOST_HALVINGS = 6 };
 
-// Curves along an edge, ncomp arrays of n + 1 numbers: the exact surface, and the derivatives (r: along, t: across) of
-// it and of the fit, all raised to the exact degree.
+// Curves along an edge, ncomp arrays of n + 1 numbers: the exact surface, and the derivatives (r: along, t: across)
+// of it and of the fit, all raised to the exact degree.
 enum { POINT, EXACT_R, EXACT_T, FIT_R, FIT_T, CURVES };
 typedef struct strip {
     int ncomp, n[CURVES]; // degrees

@@ -218,8 +218,9 @@ static bool is_corner(const fit *f, size_t i)
     return true;
 }
 
-// Onto the multiples of the quantum: then inserting knots halfway is exact, whatever side of an edge does it. Not what
-// stays as it was, corners and curves of low degree: these belong to neighbours, too, of which nothing may be limited.
+// Onto the multiples of the quantum: then inserting knots halfway is exact, whatever side of an edge does it. Not
+// what stays as it was, corners and curves of low degree: these belong to neighbours, too, of which nothing may be
+// limited.
 static void round_off(const fit *f)
 {
     double q = f->limits->quantum;

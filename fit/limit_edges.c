@@ -29,8 +29,8 @@ static kn_status refined(kn_ctx *ctx, double *line, const double *coef, const kn
     return KN_OK;
 }
 
-// The edge where variable var ends takes the place of the surface's own, one component; the row beside it moves along,
-// but for its ends, which belong to other edges.
+// The edge where variable var ends takes the place of the surface's own, one component; the row beside it moves
+// along, but for its ends, which belong to other edges.
 static void put(double *coef, const double *line, const size_t n[2], int var, bool at_end)
 {
     size_t step = var == 0 ? 1 : n[1], across = var == 0 ? n[1] : 1, rows = n[var], m = n[1 - var];

@@ -7,8 +7,8 @@
 
 #include "io/brep.h"
 
-// Sides of a patch, counterclockwise: t = 0, r = 1, t = 1, r = 0. In the grid it is turned by `turn` quarters: its side
-// (i + turn) % 4 is the grid's side i.
+// Sides of a patch, counterclockwise: t = 0, r = 1, t = 1, r = 0. In the grid it is turned by `turn` quarters: its
+// side (i + turn) % 4 is the grid's side i.
 typedef struct kn_merge_item {
     kn_patch patch;    // its bezier empty, its spline and edge these
     kn_spline surface; // over [0,1]^2

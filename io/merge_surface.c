@@ -2,8 +2,8 @@
 // One surface in the place of a grid of patches: their Bezier pieces on common knots, joined as smoothly as they are.
 //
 // Patches in a column have one width in the parameter, such that derivatives across the seams agree: where cells have
-// different widths their ratio is that of the derivatives. What joining changes is bounded by the control points of the
-// difference, piece by piece.
+// different widths their ratio is that of the derivatives. What joining changes is bounded by the control points of
+// the difference, piece by piece.
 #include "io/merge.h"
 
 #include <math.h>

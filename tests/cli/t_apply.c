@@ -198,12 +198,58 @@ static void the_same_in_a_recipe(void **state)
     }
 }
 
+static double fit_number(const char *key)
+{
+    json_t *r = printed_json();
+    double x = json_number_value(get(get(r, "fit"), key));
+    json_decref(r);
+    return x;
+}
+
+// CAD files get faces within the degree and the tolerance, meshes what is composed; what composes to more than 25 is
+// limited and not refused. Merging leaves fewer faces.
+static void limits_of_cad_files(void **state)
+{
+    (void)state;
+    char step[PATH_BYTES], stl[PATH_BYTES], step2[PATH_BYTES];
+    test_tmp_path(step, "limits.step"), test_tmp_path(stl, "limits.stl"), test_tmp_path(step2, "limits2.step");
+    static const char job[] =
+        "apply data/teapot.bpt --faces 0 --tile bump --count 2 --height 0.1 --normal-tol 1e-2 -q";
+    assert_int_equal(run("%s --json -o '%s'", job, step), 0);
+    assert_true(fit_number("max_degree") == 25 && fit_number("limited_faces") == 0 &&
+                fit_number("exact_faces") == 36);
+    assert_int_equal(run("%s --json --max-degree cubic --tol 0.1mm -o '%s' -o '%s'", job, step, stl), 0);
+    assert_true(fit_number("max_degree") == 3 && fit_number("limited_faces") == 36 && fit_number("exact_faces") == 0);
+    assert_true(fit_number("tolerance") == 0.1 && fit_number("certified_error") > 0);
+    assert_true(fit_number("certified_error") <= 0.1 && fit_number("seam_angle_rad") > 0);
+    double points = fit_number("control_points");
+    assert_int_equal(run("%s --json --max-degree cubic --tol 0.1mm --dry-run -o '%s'", job, step2), 0);
+    assert_true(fit_number("limited_faces") == 36 && fabs(fit_number("control_points") - points) <= 0.5 * points);
+    assert_false(exists(step2));
+    assert_int_equal(run("%s --json --max-degree 11 --unit cm --merge -o '%s'", job, step), 0);
+    assert_true(fit_number("tolerance") == 0.001); // 0.01 mm
+    json_t *r = printed_json();
+    assert_true(json_integer_value(get(get(get(r, "fit"), "merge"), "faces")) < 36);
+    json_decref(r);
+    // The exact direction of a normal needs more than degree 25.
+    assert_int_equal(run("%s --json --normal exact-direction -o '%s'", job, step), 0);
+    assert_true(fit_number("max_degree") == 25 && fit_number("limited_faces") == 36);
+    r = printed_json();
+    assert_true(json_integer_value(json_array_get(get(r, "degree"), 0)) > 25);
+    json_decref(r);
+    assert_int_equal(run("%s --max-degree 2 -o '%s'", job, step), 2);
+    assert_non_null(strstr(complained, "from 3 to 56"));
+    assert_int_equal(run("%s --merge --resume -o '%s'", job, step), 2);
+    remove(step), remove(stl);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(lengths_have_units), cmocka_unit_test(both_normals),
-        cmocka_unit_test(sides_and_fields),   cmocka_unit_test(fields_that_do_not_fit),
-        cmocka_unit_test(cells_are_reported), cmocka_unit_test(the_same_in_a_recipe),
+        cmocka_unit_test(lengths_have_units),   cmocka_unit_test(both_normals),
+        cmocka_unit_test(sides_and_fields),     cmocka_unit_test(fields_that_do_not_fit),
+        cmocka_unit_test(limits_of_cad_files),  cmocka_unit_test(cells_are_reported),
+        cmocka_unit_test(the_same_in_a_recipe),
     };
     return cmocka_run_group_tests_name("cli/apply", tests, NULL, NULL);
 }

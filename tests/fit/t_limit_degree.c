@@ -46,7 +46,8 @@ static void piece_at(long double value[3], const kn_bezier *a, long double u, lo
               a->rational, u, v);
 }
 
-// de Boor at knots t, degree p, coefficients b of `count` (overwritten): exact where all numbers are dyadic and short.
+// de Boor at knots t, degree p, coefficients b of `count` (overwritten): exact where all numbers are dyadic and
+// short.
 static long double de_boor(const double *t, int p, int count, long double *b, long double x)
 {
     int s = p;
@@ -136,10 +137,10 @@ static bool same_numbers(const kn_spline *a, const kn_spline *b, bool turned)
     return memcmp(a->knots[0], b->knots[0], (n + (size_t)a->degree[0] + 1) * sizeof(double)) == 0; // symmetric
 }
 
-// Two sheets of different relief share an edge bit for bit, run through either way: so do their fitted edges. The ends
-// of the fitted surfaces are the same to the last bit at every parameter, though they have different spans, where
-// corners are short numbers, too: all numbers are then short dyadic ones, and long double is exact. Other corners stay
-// what they are, and inserted knots round in the first and last span.
+// Two sheets of different relief share an edge bit for bit, run through either way: so do their fitted edges. The
+// ends of the fitted surfaces are the same to the last bit at every parameter, though they have different spans,
+// where corners are short numbers, too: all numbers are then short dyadic ones, and long double is exact. Other
+// corners stay what they are, and inserted knots round in the first and last span.
 static void edges_agree_exactly(void **state)
 {
     (void)state;
@@ -292,8 +293,8 @@ static void across(double *out, const kn_spline *s, bool at_end)
                              (s->coef[c * all + i * rows + edge] - s->coef[c * all + i * rows + beside]);
 }
 
-// Halves of one piece, which join smoothly: so do their fits where they have the same spans along the edge. Spans have
-// equal lengths in each half, so derivatives compare without factors.
+// Halves of one piece, which join smoothly: so do their fits where they have the same spans along the edge. Spans
+// have equal lengths in each half, so derivatives compare without factors.
 static void smooth_joints_stay(void **state)
 {
     (void)state;

@@ -241,8 +241,8 @@ static void try_case(kn_ctx *ctx, test_rng *rng, const kn_job *job, int max_degr
     free(c.edges);
 }
 
-// All built-in tiles over all bases, every profile and tolerance; of these some, chosen by the seed, unless KN_TEST_SCALE
-// asks for more (60: all).
+// All built-in tiles over all bases, every profile and tolerance; of these some, chosen by the seed, unless
+// KN_TEST_SCALE asks for more (60: all).
 static void tiles_bases_profiles(void **state)
 {
     (void)state;
@@ -316,8 +316,8 @@ static kn_status feed_counting(kn_ctx *ctx, const hand *h, size_t block, kn_limi
     return status;
 }
 
-// Exact patches pass, others are counted with their errors; the same for blocks of any size. A spline of one span is a
-// piece; one of several is refused.
+// Exact patches pass, others are counted with their errors; the same for blocks of any size. A spline of one span is
+// a piece; one of several is refused.
 static void summaries(void **state)
 {
     (void)state;

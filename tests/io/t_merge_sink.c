@@ -125,7 +125,8 @@ static void bent(kn_ctx *ctx, kn_spline *out)
 static void few_faces(void **state)
 {
     (void)state;
-    // Over one span of a bicubic: cells of bump are flat at their borders and join C1. Pyramids have creases all round.
+    // Over one span of a bicubic: cells of bump are flat at their borders and join C1. Pyramids have creases all
+    // round.
     static const expected cases[] = {
         {"bump", bent, {4, 4}, KN_MAX_DEGREE, 4, 1}, {"bump", bent, {4, 4}, KN_MAX_DEGREE, 2, 4},
         {"bump", bent, {3, 5}, KN_MAX_DEGREE, 8, 1}, {"bump", bent, {4, 4}, 5, 4, 1},
@@ -187,8 +188,8 @@ static kn_status feed(kn_ctx *ctx, const kn_merge_options *o, const kn_patch *pa
     return status;
 }
 
-// Four quarters of one bicubic, the last one turned by a quarter: one surface, which is C2 but for rounding. Torn apart,
-// or with one of another kind, they are not.
+// Four quarters of one bicubic, the last one turned by a quarter: one surface, which is C2 but for rounding. Torn
+// apart, or with one of another kind, they are not.
 enum { QUARTERS = 4 };
 static void make_quarters(kn_ctx *ctx, kn_patch patches[QUARTERS])
 {
