@@ -112,12 +112,8 @@ section spline_section(Handle(Geom_BSplineCurve) c, double lo, double hi)
     s.degree = c->Degree();
     bool clamped = c->Multiplicity(1) == s.degree + 1 && c->Multiplicity(c->NbKnots()) == s.degree + 1;
     if (c->IsPeriodic() || !clamped || lo != c->FirstParameter() || hi != c->LastParameter()) {
-        bool round = lo == c->FirstParameter() && std::fabs(hi - c->LastParameter()) <= 1e-9 * (hi - lo);
         c = Handle(Geom_BSplineCurve)::DownCast(c->Copy());
-        if (c->IsPeriodic() && round)
-            c->SetNotPeriodic(); // a segment that goes round would be nothing
-        else
-            c->Segment(lo, hi);
+        c->Segment(lo, hi);
     }
     s.rational = c->IsRational();
     s.knots = flat(c->Knots(), c->Multiplicities(), lo, hi);
@@ -211,8 +207,6 @@ patch spline_patch(Handle(Geom_BSplineSurface) s, const double box[4])
     if (s->IsUPeriodic() || s->IsVPeriodic() || !clamped || u0 != box[0] || u1 != box[1] || v0 != box[2] ||
         v1 != box[3]) {
         s = Handle(Geom_BSplineSurface)::DownCast(s->Copy());
-        if (s->IsUPeriodic() && box[0] == u0 && std::fabs(box[1] - u1) <= 1e-9 * (u1 - u0)) s->SetUNotPeriodic();
-        if (s->IsVPeriodic() && box[2] == v0 && std::fabs(box[3] - v1) <= 1e-9 * (v1 - v0)) s->SetVNotPeriodic();
         s->Segment(box[0], box[1], box[2], box[3], 1e-9 * (box[1] - box[0]), 1e-9 * (box[3] - box[2]));
     }
     out.rational = s->IsURational() || s->IsVRational();

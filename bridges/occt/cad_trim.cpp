@@ -178,13 +178,9 @@ Handle(Geom2d_BSplineCurve) spline_in_plane(const use &u)
     if (c.IsNull() || c->IsRational()) return Handle(Geom2d_BSplineCurve)();
     bool clamped = c->Multiplicity(1) == c->Degree() + 1 && c->Multiplicity(c->NbKnots()) == c->Degree() + 1;
     if (!c->IsPeriodic() && clamped && c->FirstParameter() == u.first && c->LastParameter() == u.last) return c;
+    if (c->IsPeriodic()) return Handle(Geom2d_BSplineCurve)(); // a segment that goes round would be nothing
     c = Handle(Geom2d_BSplineCurve)::DownCast(c->Copy());
-    bool round = std::fabs(u.last - u.first - (c->LastParameter() - c->FirstParameter())) <= 1e-9;
-    if (c->IsPeriodic() && round && u.first != c->FirstParameter()) return Handle(Geom2d_BSplineCurve)();
-    if (c->IsPeriodic() && round)
-        c->SetNotPeriodic(); // a segment that goes round would be nothing
-    else
-        c->Segment(u.first, u.last);
+    c->Segment(u.first, u.last);
     return c;
 }
 
