@@ -159,8 +159,8 @@ typedef struct kn_fit_limited {
     int spans[KN_MAX_VARS]; // in each variable, equal ones
     bool exact;             // no degree passes the limit: the piece itself
     // Of surfaces in space: a certified bound of the angle between their normals along the edges, radians, but for
-    // unknown_angles of the four, as where the normal vanishes. Two that share an edge meet at the angle they had, but
-    // for the sum of theirs.
+    // unknown_angles of the four, as where the normal vanishes. Two that share an edge meet at the angle they had,
+    // but for the sum of theirs.
     double angle;
     int unknown_angles;
 } kn_fit_limited;
@@ -169,14 +169,15 @@ typedef struct kn_fit_limited {
 // C1 inside. In a variable of lower degree nothing is approximated.
 // in:     edges: NULL, or four splines, initialised.
 // out:    corners are a's, bit for bit. An edge of a surface depends on the control points of a's edge and the limits
-//         alone, whichever way it runs: pieces that share an edge bit for bit share the fitted one. edges[0 ..]: r = 0,
-//         r = 1, t = 0, t = 1 as fitted, each on as few spans as it needs by itself, equal bit for bit on both sides up
-//         to the direction; out's ends are these with knots inserted (exactly but for the spans at corners, which may
-//         round; see quantum). Empty where a is exact or no surface. The first derivative across an edge depends on
-//         a's derivative across it alone, and on the number of spans: pieces that join C1 and have the same number
-//         along the edge still do. *report: NULL is fine.
-// fails:  KN_EDOMAIN limits; KN_ELIMIT max_level; KN_EUNDEFINED a control point is not finite; KN_EUNDECIDED more than
-//         2^max_level spans would be needed, or a weight of the fit is not positive; KN_ENOMEM; outputs unchanged.
+//         alone, whichever way it runs: pieces that share an edge bit for bit share the fitted one. edges[0 ..]: r =
+//         0, r = 1, t = 0, t = 1 as fitted, each on as few spans as it needs by itself, equal bit for bit on both
+//         sides up to the direction; out's ends are these with knots inserted (exactly but for the spans at corners,
+//         which may round; see quantum). Empty where a is exact or no surface. The first derivative across an edge
+//         depends on a's derivative across it alone, and on the number of spans: pieces that join C1 and have the
+//         same number along the edge still do. *report: NULL is fine.
+// fails:  KN_EDOMAIN limits; KN_ELIMIT max_level; KN_EUNDEFINED a control point is not finite; KN_EUNDECIDED more
+//         than 2^max_level spans would be needed, or a weight of the fit is not positive; KN_ENOMEM; outputs
+//         unchanged.
 // error:  *report's bound is at most 1.25 times the largest distance where halving can show it, from the
 //         coefficients of the difference.
 // cost:   for each number of spans that is tried a transform of the control points along each variable, and for each

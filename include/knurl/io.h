@@ -119,11 +119,11 @@ typedef struct kn_limit_summary {
     int degree[2];                // largest that went on, in r and t; of volumes, of all variables
     size_t spans, control_points; // of all patches that went on
 } kn_limit_summary;
-// A sink before n others, at least one, which get each patch whose degrees are all at most max_degree as it is, and in
-// the place of others splines (kn_patch.spline, .edge) of degree up to 5 within the tolerance (kn_fit_limit_degree;
-// quantum 2^floor(log2(tolerance / 1024))), which are not exact. Volumes come as those of their faces that are not
-// hidden. Trims stay what they are, in the plane of parameters; meshes pass. The report is told fit_degree and
-// fit_tolerance where its degrees are above the limit.
+// A sink before n others, at least one, which get each patch whose degrees are all at most max_degree as it is, and
+// in the place of others splines (kn_patch.spline, .edge) of degree up to 5 within the tolerance
+// (kn_fit_limit_degree; quantum 2^floor(log2(tolerance / 1024))), which are not exact. Volumes come as those of their
+// faces that are not hidden. Trims stay what they are, in the plane of parameters; meshes pass. The report is told
+// fit_degree and fit_tolerance where its degrees are above the limit.
 // in:     sinks: out's on success, which closes them; the caller's after a failure. summary: NULL, or where it stands
 //         after each commit, until the sink is closed.
 // fails:  KN_EDOMAIN options, n, sinks without commit; KN_EUNDECIDED a patch needs more than 2^8 spans (the message
@@ -156,10 +156,10 @@ typedef struct kn_merge_summary {
     size_t c2;                     // merged ones that are C2 in both directions; the others are C1
 } kn_merge_summary;
 // A sink before n others that puts one surface in the place of patches of one tile part, over up to cells x cells
-// cells, where they form a grid, joined bit for bit along their edges (kn_patch.edge, or their ends), of equal degrees,
-// and C1 or C2 across all seams within the tolerance; other patches, trimmed ones, curves, volumes and meshes go on as
-// they are, in another order. A merged patch has the first one's name; its edges (kn_patch.edge) are those of the
-// patches one after the other, so that a neighbour of the same length has the same.
+// cells, where they form a grid, joined bit for bit along their edges (kn_patch.edge, or their ends), of equal
+// degrees, and C1 or C2 across all seams within the tolerance; other patches, trimmed ones, curves, volumes and
+// meshes go on as they are, in another order. A merged patch has the first one's name; its edges (kn_patch.edge) are
+// those of the patches one after the other, so that a neighbour of the same length has the same.
 // in:     sinks, summary: as kn_limit_sink, which comes before this one where both are wanted.
 // fails:  KN_EDOMAIN options, n, sinks without commit; what the sinks answer. Not for journals (no save).
 // memory: the patches of `cells` columns of cells of one surface. The same patches for any number of threads.

@@ -134,6 +134,16 @@ static void ask_slabs(feed *f, const kn_job *job)
     kn_job_slabs_destroy(f->ctx, slabs);
 }
 
+// Few patches behind limits of degrees, and merged; sink stays as it is after a failure.
+static void lower(feed *f, kn_sink *sink, size_t patches)
+{
+    kn_sink merged, limited;
+    const kn_limit_options limits = {.max_degree = feed_wild(f, 3, 9), .tolerance = 0.5};
+    if (patches > 12 || kn_merge_sink(f->ctx, &merged, sink, 1, &(kn_merge_options){0.25, 2}, NULL) != KN_OK) return;
+    *sink = merged;
+    if (kn_limit_sink(f->ctx, &limited, sink, 1, &limits, NULL) == KN_OK) *sink = limited;
+}
+
 static void jobs(feed *f, const kn_spline *base)
 {
     kn_tile tile = {0};
@@ -156,6 +166,7 @@ static void jobs(feed *f, const kn_spline *base)
         if (report.nparts < 1 || kn_job_origin(job, report.nparts - 1, first) != 0 || first[0] < 0) abort();
         if (kn_job_origin(job, report.nparts, first) != -1) abort();
         if (report.patches <= 200 && kn_null_sink(f->ctx, &sink) == KN_OK) {
+            lower(f, &sink, report.patches);
             feed_any(kn_job_run(f->ctx, job, &sink, 1));
             kn_sink_close(f->ctx, &sink);
             ask_slabs(f, job);
