@@ -138,7 +138,7 @@ KN_API KN_CHECKED kn_status kn_limit_sink(kn_ctx *ctx, kn_sink *out, const kn_si
 // end of the process the sinks' unfinished files stay beside it.
 // resume: goes on from there, where the journal exists, with new sinks for the same paths: the same bytes as without
 //         the interruption. Where there is none it begins.
-// in:     sinks: of files (STEP, STL, OBJ) and kn_null_sink; not those that hold all until the end (glTF).
+// in:     sinks: of files (STEP, IGES, STL, OBJ) and kn_null_sink; not those that hold all until the end (glTF).
 //         identity: as kn_job_notes: 0, or a number for fields and other functions of the job's options.
 // fails:  as kn_job_run_from; KN_EIO the journal cannot be written or read, or what it speaks of is gone.
 KN_API KN_CHECKED kn_status kn_run_with_journal(kn_ctx *ctx, const kn_job *const *jobs, int njobs, kn_sink *sinks,
