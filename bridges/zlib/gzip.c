@@ -53,7 +53,8 @@ static kn_status gzip_put(kn_ctx *ctx, void *state, const void *data, size_t byt
     do {
         uInt part = bytes < MOST_PUT ? (uInt)bytes : MOST_PUT;
         int flush = last && part == bytes ? Z_FINISH : Z_NO_FLUSH;
-        g->z.next_in = (Bytef *)(uintptr_t)at, g->z.avail_in = part;
+        memcpy(&g->z.next_in, &at, sizeof at); // zlib reads it, whatever its type says
+        g->z.avail_in = part;
         do {
             g->z.next_out = g->out, g->z.avail_out = PART;
             answer = deflate(&g->z, flush);
