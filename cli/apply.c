@@ -5,11 +5,12 @@
 
 #include <string.h>
 
-enum { DRY_RUN = CLI_JOB_OPTIONS, SYMBOLIC, RESUME, OUTPUT, HELP, END };
+enum { DRY_RUN = CLI_JOB_OPTIONS, SYMBOLIC, RESUME, OBJ_SURFACES, OUTPUT, HELP, END };
 static const cli_option options[END - CLI_JOB_OPTIONS] = {
     [DRY_RUN - CLI_JOB_OPTIONS] = {"dry-run", 'n', CLI_NOTHING},
     [SYMBOLIC - CLI_JOB_OPTIONS] = {"symbolic", 0, CLI_NOTHING},
     [RESUME - CLI_JOB_OPTIONS] = {"resume", 0, CLI_NOTHING},
+    [OBJ_SURFACES - CLI_JOB_OPTIONS] = {"obj-surfaces", 0, CLI_NOTHING},
     [OUTPUT - CLI_JOB_OPTIONS] = {"output", 'o', CLI_TEXT},
     [HELP - CLI_JOB_OPTIONS] = {"help", 'h', CLI_NOTHING},
 };
@@ -27,6 +28,7 @@ static bool set_option(cli_apply *a, int option, const char *value)
     case DRY_RUN: return a->dry_run = true;
     case SYMBOLIC: return set_symbolic(&a->recipe);
     case RESUME: return a->resume = true;
+    case OBJ_SURFACES: return a->obj_surfaces = true;
     case OUTPUT: return cli_add_output(&a->recipe, "-o", value);
     default: return false;
     }
@@ -126,7 +128,11 @@ static kn_status run(kn_ctx *ctx, const cli_apply *a, const cli_plan *plan, cons
         cad[open] = cli_writes_cad(a->recipe.outputs[open]);
         status = cli_open_sink(
             ctx, &opened[open], a->recipe.outputs[open],
-            &(cli_output_options){.unit_mm = a->recipe.layer[0].unit_mm, .host = host, .gap_mm = body->body.gap});
+            &(cli_output_options){.unit_mm = a->recipe.layer[0].unit_mm,
+                                  .obj_surfaces = a->obj_surfaces,
+                                  .host = host,
+                                  .schema = a->recipe.layer[0].step,
+                                  .gap_mm = body->body.gap});
     }
     if (status != KN_OK)
         for (int i = 0; i < open; i++) kn_sink_close(ctx, &opened[i]);

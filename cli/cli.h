@@ -208,6 +208,7 @@ typedef struct cli_color {
 typedef struct cli_job {
     const char *base, *tile, *morph; // tile, morph NULL: none
     double unit_mm;
+    kn_step_schema step; // of STEP files
     double cell[4];
     cli_length size[2], height, offset, mesh_tol, cells_tol, crossing_tol, scatter, taper, slab[2];
     kn_job_options options; // lengths and fields once cli_job_begin has filled them in
@@ -340,7 +341,7 @@ int cli_make_video(cli_session *session, const char *out, double frames_per_seco
 // ---- apply ----
 typedef struct cli_apply {
     cli_recipe recipe;
-    bool dry_run, resume;
+    bool dry_run, resume, obj_surfaces;
 } cli_apply;
 
 // A sink for path by its ending. False (nothing printed) when the ending has no writer.
@@ -348,6 +349,7 @@ bool cli_can_write(const char *path);
 typedef struct cli_output_options {
     double unit_mm;
     const kn_step_host *host; // of STEP files; NULL: none
+    kn_step_schema schema;    // of STEP files; with a host AP214
     double gap_mm;            // between the host's edges and those of the texture
     bool obj_surfaces;        // curves and surfaces in .obj files instead of triangles
 } cli_output_options;

@@ -2,7 +2,7 @@
 // Options of exactness, for all layers: normals, degrees, tolerances, the unit, and tiles that cross knot lines.
 #include "cli/cli.h"
 
-enum { NORMAL, NORMAL_TOL, MAX_DEGREE, TOL, CELLS_TOL, CROSSING, CROSSING_TOL, MERGE, UNIT, OPTIONS };
+enum { NORMAL, NORMAL_TOL, MAX_DEGREE, TOL, CELLS_TOL, CROSSING, CROSSING_TOL, MERGE, STEP, UNIT, OPTIONS };
 static const cli_option options[OPTIONS] = {
     [NORMAL] = {"normal", 0, CLI_TEXT},
     [NORMAL_TOL] = {"normal-tol", 0, CLI_TEXT},
@@ -12,6 +12,7 @@ static const cli_option options[OPTIONS] = {
     [CROSSING] = {"crossing", 0, CLI_TEXT},
     [CROSSING_TOL] = {"crossing-tol", 0, CLI_TEXT},
     [MERGE] = {"merge", 0, CLI_NOTHING},
+    [STEP] = {"step", 0, CLI_TEXT},
     [UNIT] = {"unit", 0, CLI_TEXT},
 };
 
@@ -33,6 +34,15 @@ static bool set_crossing(const char *name, const char *text, kn_job_options *job
     return i >= 0;
 }
 
+static bool set_step(const char *name, const char *text, kn_step_schema *schema)
+{
+    static const char *const names[] = {
+        [KN_STEP_AP214] = "ap214", [KN_STEP_AP242] = "ap242", [KN_STEP_AP203] = "ap203"};
+    int i = cli_choice(name, text, names, 3, "ap214, ap242 or ap203");
+    if (i >= 0) *schema = (kn_step_schema)i;
+    return i >= 0;
+}
+
 static bool set(cli_job *job, const char *name, int option, const char *text)
 {
     kn_job_options *o = &job->options;
@@ -48,6 +58,7 @@ static bool set(cli_job *job, const char *name, int option, const char *text)
     case CROSSING: return set_crossing(name, text, o);
     case CROSSING_TOL: return cli_positive_length(name, text, &job->crossing_tol);
     case MERGE: return job->merge = true;
+    case STEP: return set_step(name, text, &job->step);
     case UNIT: return cli_set_unit(name, text, &job->unit_mm);
     default: return false;
     }

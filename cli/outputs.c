@@ -30,9 +30,8 @@ static kn_status open_step_file(kn_ctx *ctx, kn_sink *out, const char *path, con
                                 const kn_filter *filter)
 {
     kn_step_options options = {.unit_mm = o->unit_mm, .host = o->host, .uncertainty_mm = uncertainty(o)};
-    options.schema = o->schema, options.filter = filter;
-    if (o->host && o->schema != KN_STEP_AP214)
-        return kn_fail(ctx, KN_EDOMAIN, "%s: with a body of the base STEP files are AP214 (--step)", path);
+    options.schema = o->host ? KN_STEP_AP214 : o->schema; // what a host is written in
+    options.filter = filter;
     return kn_step_sink(ctx, out, path, &options);
 }
 
