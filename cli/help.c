@@ -87,6 +87,7 @@ static const char apply[] =
     "  -j, --threads N         default: all processors; the result does not depend on it\n"
     "  -n, --dry-run           plan and report, write nothing\n"
     "      --resume            keep a journal (OUT.journal), and go on from it after an interruption; no .glb\n"
+    "      --obj-surfaces      exact curves and surfaces in .obj files, not triangles\n"
     "      --json              one JSON object on standard output\n"
     "  -q, --quiet             no progress, no summary\n";
 

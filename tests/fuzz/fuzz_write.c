@@ -33,9 +33,17 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     const kn_model model = {.splines = splines, .nsplines = n};
     const kn_stream_options o = {.split = feed_byte(&f) % 2, .unit_domains = feed_byte(&f) % 2, .mesh_tol = 1e6};
     kn_sink sink = {0};
-    feed_any(sinks[which](f.ctx, &sink, path));
+    if (sinks[which](f.ctx, &sink, path) != KN_OK) abort();
     feed_any(kn_stream_model(f.ctx, &model, "fuzz", &o, &sink, 1));
     kn_sink_close(f.ctx, &sink);
+    kn_tile tile = {0};
+    const kn_patch patch = {.spline = &splines[0], .look = feed_int(&f, 0, 1), .segments = {1, 1, 1}};
+    kn_ctx_clear_error(f.ctx);
+    if (kn_tile_init(f.ctx, &tile, "fuzz", 1) != KN_OK) abort();
+    if (sinks[which](f.ctx, &sink, path) != KN_OK) abort();
+    feed_any(kn_stream_patches(f.ctx, &tile, &patch, 1, 0.0, &sink, 1));
+    kn_sink_close(f.ctx, &sink);
+    kn_tile_clear(f.ctx, &tile);
     for (int i = 0; i < n; i++) kn_spline_clear(f.ctx, &splines[i]);
     (void)remove(path);
     (void)snprintf(path, sizeof path, "/tmp/knurl-fuzz-%ld.mtl", (long)getpid());
