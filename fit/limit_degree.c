@@ -456,7 +456,7 @@ kn_status kn_fit_limit_degree(kn_ctx *ctx, kn_spline *out, kn_spline *edges, kn_
     if (status != KN_OK) return status;
     fit f;
     bool exact = true;
-    kn_limit_edge fitted_edges[4];
+    kn_limit_edge fitted_edges[4] = {{.coef = NULL}};
     begin(&f, a, &limits);
     for (int v = 0; v < a->nvars; v++) exact = exact && is_kept(&f.axis[v]);
     if (exact) {

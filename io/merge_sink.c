@@ -140,9 +140,10 @@ static kn_status look_at_seam(kn_ctx *ctx, const merge *m, kn_merge_item *item, 
         double s = (double)k / (PLACES - 1);
         status = outwards(ctx, d[k][0], item, own, s);
         if (status == KN_OK) status = outwards(ctx, d[k][1], to, item->next_side[own], 1.0 - s);
+        if (status != KN_OK) break;
         double a = hypot(hypot(d[k][0][0], d[k][0][1]), d[k][0][2]),
                b = hypot(hypot(d[k][1][0], d[k][1][1]), d[k][1][2]);
-        if (status == KN_OK && a > most) most = a, ratio = b / a;
+        if (a > most) most = a, ratio = b / a;
     }
     if (status == KN_EUNDEFINED) status = KN_OK, ratio = 0.0;
     // A control point beside the seam moves by the difference over the degree, less than half of it on each side.
