@@ -1,0 +1,297 @@
+// SPDX-License-Identifier: Apache-2.0
+// Textures in the bodies of CAD files, from end to end: a knob that OCCT makes here, knurled; a rod in an assembly;
+// sheets. What comes out is looked at by OCCT.
+#include "tests/support/integral.h"
+#include "tests/support/support.h"
+
+#include <knurl/knurl.h>
+
+#if KN_WITH_OCCT
+#include "bridges/occt/occt_check.h"
+#include "bridges/occt/occt_knob.h"
+
+#include <jansson.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+enum { KNOB_FACES = 7 };
+
+// Runs `knurl apply ARGUMENTS`; answers its exit code, and what it printed on both streams: free it.
+static int apply(char **said, const char *format, ...) KN_PRINTF(2, 3);
+static int apply(char **said, const char *format, ...)
+{
+    char arguments[2 * TEST_PATH_BYTES], log[TEST_PATH_BYTES], line[4 * TEST_PATH_BYTES];
+    test_tmp_path(log, "body.log");
+    va_list list;
+    va_start(list, format);
+    vsnprintf(arguments, sizeof arguments, format, list);
+    va_end(list);
+    snprintf(line, sizeof line, "'%s' apply %s >'%s' 2>&1", getenv("KNURL"), arguments, log);
+    int status = system(line);
+    *said = test_read_file(log, NULL);
+    assert_non_null(*said);
+    remove(log);
+    assert_true(WIFEXITED(status));
+    return WEXITSTATUS(status);
+}
+
+static int count(const char *text, const char *word)
+{
+    int n = 0;
+    for (const char *at = strstr(text, word); at; at = strstr(at + 1, word)) n++;
+    return n;
+}
+
+static void expect_text(const char *said, const char *part)
+{
+    if (!strstr(said, part)) fail_msg("not said: \"%s\", but: %s", part, said);
+}
+
+typedef struct scene {
+    kn_ctx *ctx;
+    char knob[TEST_PATH_BYTES], out[TEST_PATH_BYTES];
+    kn_occt_report base;
+} scene;
+
+static kn_occt_report check_file(kn_ctx *ctx, const char *path)
+{
+    kn_occt_model *model = NULL;
+    kn_occt_report report = {0};
+    if (kn_occt_open_step(ctx, &model, path) != KN_OK) fail_msg("%s", kn_ctx_message(ctx));
+    assert_int_equal(kn_occt_check(ctx, &report, model), KN_OK);
+    kn_occt_close(ctx, model);
+    return report;
+}
+
+static void make(scene *s)
+{
+    assert_int_equal(kn_ctx_create(&s->ctx, NULL), KN_OK);
+    test_tmp_path(s->knob, "knob.step"), test_tmp_path(s->out, "knob-out.step");
+    if (kn_occt_write_knob(s->ctx, s->knob) != KN_OK) fail_msg("%s", kn_ctx_message(s->ctx));
+    s->base = check_file(s->ctx, s->knob);
+    assert_int_equal(s->base.faces, KNOB_FACES);
+    assert_true(s->base.valid);
+}
+
+static void clear(scene *s)
+{
+    remove(s->knob), remove(s->out);
+    kn_ctx_destroy(s->ctx);
+}
+
+// The part of a texture's patches, all of which .g2 holds exactly, in (1/3) int x . dA.
+static double volume_of(kn_ctx *ctx, const char *path)
+{
+    kn_model model = {0};
+    double volume = 0.0, area = 0.0;
+    assert_int_equal(kn_read_model(ctx, &model, path), KN_OK);
+    assert_true(model.nsplines > 0);
+    for (int i = 0; i < model.nsplines; i++)
+        test_add_integrals(ctx, &volume, &area, &(kn_patch){.spline = &model.splines[i]});
+    kn_model_clear(ctx, &model);
+    return volume;
+}
+
+static void expect_body(const char *said, const char *mode, int replaced, int kept, bool closed)
+{
+    const char *json = strchr(said, '{');
+    assert_non_null(json);
+    json_t *root = json_loads(json, JSON_DISABLE_EOF_CHECK, NULL), *body = json_object_get(root, "body");
+    assert_non_null(body);
+    assert_string_equal(json_string_value(json_object_get(body, "mode")), mode);
+    assert_int_equal(json_integer_value(json_object_get(body, "faces_replaced")), replaced);
+    assert_int_equal(json_integer_value(json_object_get(body, "faces_kept")), kept);
+    assert_int_equal(json_is_true(json_object_get(body, "closed")), closed);
+    json_decref(root);
+}
+
+// One solid, closed and valid; the other faces are what they were; the volume is that of the knob, less the part of the
+// grip's cylinder, and with that of the texture. x . n = 12 on the cylinder, whose axis is z.
+static void knurled_knob(void **state)
+{
+    (void)state;
+    scene s;
+    make(&s);
+    char *said, g2[TEST_PATH_BYTES];
+    test_tmp_path(g2, "knob.g2");
+    int code = apply(
+        &said, "'%s' --faces name:grip --tile knurl --count 24,4 --height 0.8 --taper 2.4 --json -o '%s' -o '%s'",
+        s.knob, s.out, g2);
+    if (code != 0) fail_msg("%s", said);
+    expect_body(said, "replace", 1, KNOB_FACES - 1, true);
+    free(said);
+    kn_occt_report r = check_file(s.ctx, s.out);
+    assert_int_equal(r.solids, 1);
+    assert_int_equal(r.closed_shells, 1);
+    assert_int_equal(r.shells, 1);
+    assert_int_equal(r.free_edges, 0);
+    assert_true(r.valid);
+    assert_int_equal(r.faces, KNOB_FACES - 1 + 24 * 4 * 13);
+    assert_int_equal(r.valid_faces, r.faces);
+    double grip = 12.0 * (2.0 * acos(-1.0) * 12.0 * 9.5) / 3.0;
+    double expected = s.base.volume - grip + volume_of(s.ctx, g2);
+    assert_true(fabs(r.volume - expected) <= 1e-6 * expected);
+    assert_true(r.volume > s.base.volume); // the texture is outside
+
+    char *text = test_read_file(s.out, NULL);
+    assert_non_null(text);
+    assert_int_equal(count(text, "=PLANE("), 3);
+    assert_int_equal(count(text, "=CYLINDRICAL_SURFACE("), 1);
+    assert_int_equal(count(text, "=TOROIDAL_SURFACE("), 2);
+    assert_int_equal(count(text, "=PRODUCT("), 1);
+    expect_text(text, "PRODUCT('knob'");
+    expect_text(text, "PRE_DEFINED_COLOUR('red')"); // of the two fillets
+    assert_null(strstr(text, "'grip'"));
+    free(text);
+    remove(g2);
+    clear(&s);
+}
+
+// Everything of the knob stays, and the texture is a product of its own; or the texture is alone.
+static void covered_knob(void **state)
+{
+    (void)state;
+    scene s;
+    make(&s);
+    char *said;
+    int code = apply(&said, "'%s' --faces name:grip --tile straight --count 16,3 --body cover --json -o '%s'", s.knob,
+                     s.out);
+    if (code != 0) fail_msg("%s", said);
+    expect_body(said, "cover", 0, KNOB_FACES, true);
+    free(said);
+    kn_occt_report r = check_file(s.ctx, s.out);
+    assert_int_equal(r.solids, 1);
+    assert_int_equal(r.faces, KNOB_FACES + 16 * 3 * 3);
+    assert_true(fabs(r.volume - s.base.volume) <= 1e-9 * r.volume);
+    char *text = test_read_file(s.out, NULL);
+    assert_int_equal(count(text, "=PRODUCT("), 2);
+    expect_text(text, "'grip'");
+    free(text);
+
+    code = apply(&said, "'%s' --faces name:grip --tile straight --count 16,3 --body none --json -o '%s'", s.knob,
+                 s.out);
+    if (code != 0) fail_msg("%s", said);
+    expect_text(said, "\"body\": null");
+    free(said);
+    r = check_file(s.ctx, s.out);
+    assert_int_equal(r.faces, 16 * 3 * 3);
+    assert_int_equal(r.solids, 0);
+    clear(&s);
+}
+
+// What cannot be closed is said, and nothing is written; by default it is covered, with the reason.
+static void cannot_replace(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *options, *why;
+    } cases[] = {
+        {"--tile knurl --count 16,3", "ends above face"},
+        {"--tile chain --count 8,3 --taper 2", "leaves gaps"},
+        {"--tile scale --count 8,3 --taper 2", "does not fill face"},
+        {"--tile knurl --count 16,3 --taper 2 --density 0.5", "cells are left out"},
+    };
+    scene s;
+    make(&s);
+    char *said;
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        int code = apply(&said, "'%s' --faces name:grip %s --body replace -o '%s'", s.knob, cases[i].options, s.out);
+        assert_int_equal(code, 3);
+        expect_text(said, cases[i].why);
+        free(said);
+        assert_int_not_equal(access(s.out, F_OK), 0);
+    }
+    int code = apply(&said, "'%s' --faces name:grip %s -o '%s'", s.knob, cases[0].options, s.out);
+    assert_int_equal(code, 0);
+    expect_text(said, "its faces stay below the texture (--body cover): the texture ends above face");
+    free(said);
+    assert_int_equal(apply(&said, "data/teapot.bpt --tile knurl --count 2,2 --body replace -o '%s'", s.out), 2);
+    expect_text(said, "it needs a base from a CAD file");
+    free(said);
+    assert_int_equal(apply(&said, "'%s' --tile knurl --body perhaps -o '%s'", s.knob, s.out), 2);
+    expect_text(said, "replace, cover or none");
+    free(said);
+    clear(&s);
+}
+
+// ---- real files ----
+
+static bool shared(char path[TEST_PATH_BYTES], const char *name)
+{
+    snprintf(path, TEST_PATH_BYTES, "../shared/data/%s", name);
+    if (access(path, R_OK) == 0) return true;
+    print_message("%s is not here: skipped\n", path);
+    return false;
+}
+
+// The rod of an assembly: two half cylinders, splines that meet along two edges. All 18 instances of 5 parts are there.
+static void rod(void **state)
+{
+    (void)state;
+    char path[TEST_PATH_BYTES], *said;
+    if (!shared(path, "as1-oc-214.stp")) skip();
+    scene s;
+    make(&s);
+    kn_occt_report before = check_file(s.ctx, path);
+    int code = apply(
+        &said,
+        "'%s' --faces 'body:rod&type:bspline' --tile straight --size 4,20 --height 0.5 --taper 15 --json -o '%s'",
+        path, s.out);
+    if (code != 0) fail_msg("%s", said);
+    expect_body(said, "replace", 2, 51, true);
+    free(said);
+    kn_occt_report r = check_file(s.ctx, s.out);
+    assert_int_equal(r.placed_solids, before.placed_solids);
+    assert_int_equal(r.solids, before.solids);
+    assert_int_equal(r.closed_shells, before.closed_shells);
+    assert_int_equal(r.free_edges, 0);
+    assert_int_equal(r.ncolours, before.ncolours + 1);
+    assert_true(r.valid);
+    assert_true(r.volume > before.volume);
+    clear(&s);
+}
+
+// One of four sheets side by side: an open shell.
+static void sheet(void **state)
+{
+    (void)state;
+    char path[TEST_PATH_BYTES], *said;
+    if (!shared(path, "splinecage.stp")) skip();
+    scene s;
+    make(&s);
+    int code = apply(&said, "'%s' --faces 0 --tile knurl --count 3,3 --json -o '%s'", path, s.out);
+    if (code != 0) fail_msg("%s", said);
+    expect_body(said, "replace", 1, 3, false);
+    free(said);
+    kn_occt_report r = check_file(s.ctx, s.out);
+    assert_int_equal(r.solids, 0);
+    assert_int_equal(r.faces, 3 + 3 * 3 * 13);
+    assert_int_equal(r.valid_faces, r.faces);
+    clear(&s);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(knurled_knob), cmocka_unit_test(covered_knob), cmocka_unit_test(cannot_replace),
+        cmocka_unit_test(rod),          cmocka_unit_test(sheet),
+    };
+    return cmocka_run_group_tests_name("bridges/body", tests, NULL, NULL);
+}
+#else
+static void without_occt(void **state)
+{
+    (void)state;
+    skip();
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {cmocka_unit_test(without_occt)};
+    return cmocka_run_group_tests_name("bridges/body", tests, NULL, NULL);
+}
+#endif
