@@ -5,7 +5,8 @@
 //     u32 nbodies, nedges, nfaces
 //     body:    name (64 bytes, zeros after its end), u32 solid, instances, 12 f64
 //     edge:    u32 face[2], curve[2] (-1: 0xffffffff), flags (1 more, 2 point), f64 angle
-//     face:    name, u32 type, body, flags (1 colored, 2 whole), f64 color[3], error, trim_error, spline, u32 ncurves,
+//     face:    name, u32 type, body, flags (1 colored, 2 whole), f64 color[3], error, trim_error, spline, u32
+//          ncurves,
 //              nloops, loop_end.., edge.., splines
 //     spline:  u32 nvars, ncomp, rational, for each variable u32 degree, count, its knots, the coefficients
 #ifndef CAD_STREAM_H

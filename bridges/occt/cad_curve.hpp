@@ -13,8 +13,10 @@
 namespace kn_occt
 {
 
-// Where a parameter of OCCT's goes in the spline. A circle's angle u becomes that of rational quadratic arcs: n of them
-// over steps h from lo, joined where angle and parameter agree. In an arc with weights 1, cos(h/2), 1 about the angle m
+// Where a parameter of OCCT's goes in the spline. A circle's angle u becomes that of rational quadratic arcs:
+// n of them
+// over steps h from lo, joined where angle and parameter agree. In an arc with weights 1, cos(h/2), 1 about
+// the angle m
 // the parameter x in [0,1] has tan((u - m)/2) = (2 x - 1) tan(h/4).
 struct warp {
     bool arcs = false;

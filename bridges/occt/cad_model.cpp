@@ -178,7 +178,8 @@ std::vector<outline> sides()
     return out;
 }
 
-// The curves of one loop, in order, left of them what is inside; on a surface that is run through backwards they turn,
+// The curves of one loop, in order, left of them what is inside; on a surface that is run through backwards
+// they turn,
 // too.
 std::vector<outline> curves_of(loop *l, const chart &c, bool reversed)
 {

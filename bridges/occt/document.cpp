@@ -265,7 +265,8 @@ void warn_of_faults(kn_ctx *ctx, const Handle(Interface_InterfaceModel) & model,
 
 enum format { UNKNOWN, STEP, IGES, BREP };
 
-// By what is in it: the first bytes, and for IGES the S in column 73. STEP must end as it should: what is cut off would
+// By what is in it: the first bytes, and for IGES the S in column 73. STEP must end as it should: what is cut
+// off would
 // be read as far as it goes.
 format look_at(kn_ctx *ctx, const char *path)
 {

@@ -43,7 +43,8 @@ typedef struct kn_cad_face {
 } kn_cad_face;
 
 typedef struct kn_cad_edge {
-    // The uses of the edge: a face and the curve of its trim. face[1] -1: the edge is open. A seam is used twice by one
+    // The uses of the edge: a face and the curve of its trim. face[1] -1: the edge is open. A seam is used
+    // twice by one
     // face. An edge of more than two faces has the first two, and `more`.
     int face[2], curve[2];
     bool more;
@@ -75,8 +76,8 @@ KN_API const char *kn_cad_type_name(kn_cad_type type);
 
 // KN_OK, or KN_EDOMAIN with a message that names the face, edge or body: numbers of a face, curve, edge or body that
 // there is not, an edge and a curve that do not name each other, a surface that is none in three dimensions, an empty
-// trim, one called whole that is not, colours outside [0,1], an angle outside [0, pi], a placement or an error that is
-// not finite or negative, a name that does not end or has control characters. Also what kn_spline_check and
+// trim, one called whole that is not, colours outside [0,1], an angle outside [0, pi], a placement or an error that
+// is not finite or negative, a name that does not end or has control characters. Also what kn_spline_check and
 // kn_trim_check find, and KN_ENOMEM.
 KN_API KN_CHECKED kn_status kn_cad_check(kn_ctx *ctx, const kn_cad *cad);
 
@@ -143,14 +144,14 @@ KN_API KN_CHECKED kn_status kn_cad_join(kn_ctx *ctx, kn_cad_joined *out, const k
 
 // The faces that a text names, joined by '+', what all of several say by '&', which binds closer:
 //     3  0,4,7-9              numbers and ranges
-//     name:TEXT  body:TEXT    names, letters of either case; * stands for any text, ? for one character. body: also the
-//                             number of one
+//     name:TEXT  body:TEXT    names, letters of either case; * stands for any text, ? for one character. body: also
+//                             the number of one
 //     type:TYPE               kn_cad_type_name
 //     color:#rrggbb           sRGB, to within 1 of 255
 //     near:X,Y,Z              the one that is nearest to the point
 // out:    *faces, *n >= 1 of them, increasing: kn_free. Overwritten.
-// fails:  KN_EDOMAIN: no such text, or a part of it that no face agrees with: the message says what there is. KN_ENOMEM,
-//         KN_ECANCELLED; out unchanged.
+// fails:  KN_EDOMAIN: no such text, or a part of it that no face agrees with: the message says what there is.
+//         KN_ENOMEM, KN_ECANCELLED; out unchanged.
 // error:  near: where the nearest point of a surface lies inside the trim, certified (kn_solve_closest); else the
 //         nearest of points along the trim (64 a span, refined) and of a grid of 33 x 33 inside it.
 KN_API KN_CHECKED kn_status kn_cad_find(kn_ctx *ctx, int **faces, int *n, const kn_cad *cad, const char *text);
