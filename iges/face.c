@@ -109,7 +109,7 @@ kn_status kn_iges_put_line(kn_iges_written *w, const kn_patch *patch, double mm)
     kn_ctx *ctx = text->ctx;
     kn_iges_item *item = &w->items[w->nitems];
     kn_spline s = kn_patch_spline(patch);
-    kn_patch_curve line;
+    kn_patch_curve line = {0};
     *item = (kn_iges_item){.kind = KN_IGES_CURVE, .look = patch->look, .id = patch->id, .begin = text->bytes};
     kn_mark mark = kn_scratch_mark(ctx);
     kn_status status = kn_patch_curve_load(ctx, &line, &s, 0, mm, "IGES");

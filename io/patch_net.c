@@ -123,7 +123,7 @@ static kn_status load_side(kn_ctx *ctx, kn_patch_net *f, int e, const kn_patch *
     for (int k = 1; k < end.axis.n; k++) end.rational = end.rational || end.point[k * end.step + 3] != end.point[3];
     *s = (kn_patch_side){.line = end};
     if (patch->edge) {
-        kn_patch_curve own;
+        kn_patch_curve own = {0};
         kn_status status = kn_patch_curve_load(ctx, &own, &patch->edge[side_fit[e]], 0, mm, format);
         if (status != KN_OK) return status;
         if (!same_line(&own, &end)) s->line = own;
@@ -164,7 +164,7 @@ static void join_corners(kn_patch_net *f, bool reversed)
 kn_status kn_patch_net_load(kn_ctx *ctx, kn_patch_net *net, const kn_patch *patch, double mm, const char *format)
 {
     kn_spline s = kn_patch_spline(patch);
-    kn_patch_curve all;
+    kn_patch_curve all = {0};
     kn_status status = kn_patch_curve_load(ctx, &all, &s, 0, mm, format);
     if (status != KN_OK) return status;
     *net = (kn_patch_net){.n = (int)kn_spline_count(&s), .point = all.point, .rational = all.rational};
