@@ -58,7 +58,8 @@ static void describe(step *s, const kn_job_report *r)
     bool all = r->exact_patches == r->patches && r->fit_degree == 0, none = r->exact_patches == 0;
     s->naming.mark = !all && (!none || r->fit_degree > 0);
     // two pieces side by side may each be off by as much
-    a->uncertainty_mm = fmax(a->uncertainty_mm, 2.0 * mm * (r->stand_in_error + r->crossing_error));
+    double trimmed = r->trim_curves > 0 ? r->fit_tolerance : 0.0; // other edges of limited faces stay shared
+    a->uncertainty_mm = fmax(a->uncertainty_mm, 2.0 * mm * (r->stand_in_error + r->crossing_error + trimmed));
     snprintf(a->text[0], sizeof a->text[0], "degree at most %d,%d; %s", r->degree[0], r->degree[1],
              all              ? "all faces are exact"
              : s->naming.mark ? "faces named .. ~ are approximations, all others exact"
