@@ -352,7 +352,7 @@ static kn_status measure_block(kn_ctx *ctx, void *user, const kn_patch_block *bl
         c->trimmed += p->trim != NULL;
         for (int k = 0; p->trim && k < p->trim->ncurves; k++) {
             const kn_spline *curve = &p->trim->curves[k];
-            for (int m = 0; m < curve->count[0]; m++) {
+            for (int m = 0; m < curve->count[0]; m += 5) {
                 double r = curve->coef[m], t = curve->coef[curve->count[0] + m];
                 double px = x[0] + r * (x[1] - x[0]) + t * (x[2] - x[0]);
                 double py = y[0] + r * (y[1] - y[0]) + t * (y[2] - y[0]);
