@@ -424,7 +424,8 @@ static kn_status begin(kn_ctx *ctx, joining *j)
     j->turned = kn_scratch(ctx, 2 * n, sizeof *j->turned);
     j->corner = kn_scratch(ctx, 4 * n, sizeof *j->corner);
     j->out->turns = kn_alloc_zero(ctx, n, sizeof *j->out->turns);
-    if (!j->out->surfaces || !j->out->trims || !j->out->turns || !j->parent || !j->turned || !j->corner) return KN_ENOMEM;
+    if (!j->out->surfaces || !j->out->trims || !j->out->turns || !j->parent || !j->turned || !j->corner)
+        return KN_ENOMEM;
     j->out->n = j->n;
     for (int d = 0; d < 2 * j->n; d++) j->parent[d] = d, j->turned[d] = false;
     for (int c = 0; c < 4 * j->n; c++) j->corner[c] = c;

@@ -126,13 +126,12 @@ static kn_status run(kn_ctx *ctx, const cli_apply *a, const cli_plan *plan, cons
     kn_status status = KN_OK;
     for (; open < a->recipe.noutputs && status == KN_OK; open += status == KN_OK) {
         cad[open] = cli_writes_cad(a->recipe.outputs[open]);
-        status = cli_open_sink(
-            ctx, &opened[open], a->recipe.outputs[open],
-            &(cli_output_options){.unit_mm = a->recipe.layer[0].unit_mm,
-                                  .obj_surfaces = a->obj_surfaces,
-                                  .host = host,
-                                  .schema = a->recipe.layer[0].step,
-                                  .gap_mm = body->body.gap});
+        status = cli_open_sink(ctx, &opened[open], a->recipe.outputs[open],
+                               &(cli_output_options){.unit_mm = a->recipe.layer[0].unit_mm,
+                                                     .obj_surfaces = a->obj_surfaces,
+                                                     .host = host,
+                                                     .schema = a->recipe.layer[0].step,
+                                                     .gap_mm = body->body.gap});
     }
     if (status != KN_OK)
         for (int i = 0; i < open; i++) kn_sink_close(ctx, &opened[i]);

@@ -92,8 +92,8 @@ static int check_arguments(check *c)
     const cli_job *job = &c->job;
     bool cells = job->options.count[0] || job->has_size || job->options.spacing || job->options.rows ||
                  job->options.stretch || job->options.quarter_turns || check_by_cell(c) || job->mask.text ||
-                 job->nfaces > 0 || job->nface_texts > 0 || job->has_camera || job->nvary > 0 || job->scatter.value > 0 ||
-                 job->taper.value > 0;
+                 job->nfaces > 0 || job->nface_texts > 0 || job->has_camera || job->nvary > 0 ||
+                 job->scatter.value > 0 || job->taper.value > 0;
     const char *missing = wrong                                              ? wrong
                           : !job->base                                       ? "a BASE file is missing"
                           : cells && !job->tile                              ? "cells need a --tile"

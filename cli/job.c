@@ -8,9 +8,9 @@
 const cli_theme *cli_theme_of(int theme)
 {
     static const cli_theme *const themes[CLI_THEMES] = {
-        &cli_texture_options,   &cli_placement_options, &cli_selection_options, &cli_view_options,
-        &cli_variation_options, &cli_color_options,     &cli_exactness_options, &cli_body_options,
-        &cli_running_options};
+        &cli_texture_options,   &cli_placement_options, &cli_selection_options,
+        &cli_view_options,      &cli_variation_options, &cli_color_options,
+        &cli_exactness_options, &cli_body_options,      &cli_running_options};
     return themes[theme];
 }
 

@@ -327,9 +327,9 @@ static void meshed(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(volumes_in_rows), cmocka_unit_test(rings), cmocka_unit_test(reliefs),   cmocka_unit_test(sheet_with_tips),
-        cmocka_unit_test(limited),         cmocka_unit_test(schemas), cmocka_unit_test(in_a_body),
-        cmocka_unit_test(meshed),
+        cmocka_unit_test(volumes_in_rows), cmocka_unit_test(rings),   cmocka_unit_test(reliefs),
+        cmocka_unit_test(sheet_with_tips), cmocka_unit_test(limited), cmocka_unit_test(schemas),
+        cmocka_unit_test(in_a_body),       cmocka_unit_test(meshed),
     };
     return cmocka_run_group_tests_name("bridges/occt_bodies", tests, NULL, NULL);
 }

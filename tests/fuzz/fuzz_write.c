@@ -22,7 +22,7 @@ static void make_spline(feed *f, kn_spline *out, int nvars)
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
-    static kn_status (*const sinks[])(kn_ctx *ctx, kn_sink *out, const char *path) = {
+    static kn_status (*const sinks[])(kn_ctx *, kn_sink *, const char *) = {
         kn_g2_sink, kn_itd_sink, kn_obj_surfaces_sink, kn_vtu_sink, kn_mfem_sink, kn_pov_sink};
     feed f = feed_begin(data, size);
     kn_spline splines[3] = {{0}};
