@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Fuzzes what comes out of the reader of CAD files: any bytes give a status, what is parsed is a model that goes out
-// and in again bit for bit, and faces are found in it by any text.
+// and in again bit for bit, faces are found in it by any text, and joined whatever they are.
 #include "tests/fuzz/feed.h"
 
 #include <knurl/cad.h>
@@ -28,6 +28,37 @@ static void find(feed *f, const kn_cad *cad, const uint8_t *data, size_t size)
     }
 }
 
+// All faces, or all but the first; the angle and whether anything is to be joined are a byte in the middle.
+static void join(feed *f, const kn_cad *cad, const uint8_t *data, size_t size)
+{
+    enum { FACES = 6, POINTS = 256 }; // slow is not wrong
+    const int how = data[size / 2];
+    int faces[FACES], first = how % 4 == 1 && cad->nfaces > 1, n = cad->nfaces - first;
+    size_t points = 0;
+    for (int k = 0; k < cad->nfaces; k++) points += kn_spline_count(&cad->faces[k].surface);
+    if (n < 1 || n > FACES || points > POINTS) return;
+    for (int k = 0; k < n; k++) faces[k] = n - 1 - k + first;
+    const kn_cad_join_options o = {.angle = how / 80.0, .tolerance = 0.5, .none = how % 8 == 7};
+    kn_cad_joined joined = {0};
+    kn_ctx_clear_error(f->ctx);
+    if (kn_cad_join(f->ctx, &joined, cad, faces, n, &o) == KN_OK) {
+        if (joined.n != n || !(joined.moved >= 0.0)) abort();
+        for (int k = 0; k < n; k++) {
+            if (kn_spline_check(f->ctx, &joined.surfaces[k]) != KN_OK || joined.turns[k] < 0 || joined.turns[k] > 3)
+                abort();
+            if (joined.trims[k].ncurves > 0 && kn_trim_check(f->ctx, &joined.trims[k]) != KN_OK) abort();
+        }
+        for (int k = 0; k < joined.nseams; k++) {
+            const kn_cad_seam *seam = &joined.seams[k];
+            if (seam->edge < 0 || seam->edge >= cad->nedges || seam->joined != !seam->why) abort();
+            if ((o.none && seam->joined) || (seam->joined && !(seam->moved <= joined.moved))) abort();
+        }
+    } else if (joined.n > 0) {
+        abort();
+    }
+    kn_cad_joined_clear(f->ctx, &joined);
+}
+
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
     feed f = feed_begin(data, size);
@@ -42,6 +73,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
         for (int i = 0; i < cad.nfaces; i++)
             if (!kn_cad_type_name(cad.faces[i].type)) abort();
         find(&f, &cad, data, size);
+        join(&f, &cad, data, size);
         kn_free(f.ctx, again);
         kn_cad_clear(f.ctx, &copy);
     } else if (cad.faces || cad.edges || cad.bodies) {

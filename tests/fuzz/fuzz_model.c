@@ -63,6 +63,8 @@ static kn_status look(kn_ctx *ctx, void *user, const kn_patch_block *block, void
         if (n > 0) status = kn_patch_line(ctx, points, p);
         free(points);
         if (status == KN_OK) status = kn_patch_tessellate(ctx, &mesh, p);
+        const kn_spline view = kn_patch_spline(p);
+        if (view.nvars != kn_patch_nvars(p) || (view.nvars > 0 && view.ncomp != 3)) abort();
         kn_patch face = {0};
         if (status == KN_OK && p->bezier.nvars == 3) status = kn_patch_face(ctx, &face, p, (int)(i % 6));
         kn_bezier_clear(ctx, &face.bezier);
