@@ -6,6 +6,7 @@
 #include "kernel/context.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -188,14 +189,13 @@ static kn_status none(const find *f, part p, label *of)
 {
     enum { LISTED = 12 };
     char list[LISTED * (KN_NAME_BYTES + 2)] = "", room[8], other[8];
-    int first[LISTED], n = 0;
+    int first[LISTED], n = 0, used = 0;
     for (int i = 0; i < f->cad->nfaces && n < LISTED; i++) {
         const char *word = of(f, i, room);
         bool known = *word == '\0';
         for (int k = 0; !known && k < n; k++) known = strcmp(of(f, first[k], other), word) == 0;
         if (known) continue;
-        strcat(list, n > 0 ? ", " : "");
-        strcat(list, word);
+        used += snprintf(list + used, sizeof list - (size_t)used, "%s%s", n > 0 ? ", " : "", word);
         first[n++] = i;
     }
     int shown = (int)(p.n < SHOWN ? p.n : SHOWN);
@@ -216,7 +216,7 @@ static kn_status find_factor(find *f, part p)
 {
     const part all = p;
     const int nfaces = f->cad->nfaces;
-    label *of = NULL;
+    label *of = type_label;
     kn_status status = KN_OK;
     for (int i = 0; i < nfaces; i++) f->factor[i] = false;
     if (begins(&p, "name:")) {
