@@ -131,7 +131,8 @@ static kn_status run(kn_ctx *ctx, const cli_apply *a, const cli_plan *plan, cons
                                                      .obj_surfaces = a->obj_surfaces,
                                                      .host = host,
                                                      .schema = a->recipe.layer[0].step,
-                                                     .gap_mm = body->body.gap});
+                                                     .gap_mm = body->body.gap,
+                                                     .base = plan->base});
     }
     if (status != KN_OK)
         for (int i = 0; i < open; i++) kn_sink_close(ctx, &opened[i]);

@@ -352,6 +352,7 @@ typedef struct cli_output_options {
     kn_step_schema schema;    // of STEP files; with a host AP214
     double gap_mm;            // between the host's edges and those of the texture
     bool obj_surfaces;        // curves and surfaces in .obj files instead of triangles
+    const cli_base *base;     // whose faces give their names to those of STEP files; NULL: none
 } cli_output_options;
 kn_status cli_open_sink(kn_ctx *ctx, kn_sink *out, const char *path, const cli_output_options *options);
 bool cli_writes_cad(const char *path);  // of those that can be written

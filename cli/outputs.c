@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // Writers by the ending of a path.
 #include "cli/cli.h"
+#include "kernel/context.h"
 
+#include <stdio.h>
 #include <string.h>
 
 #if KN_WITH_ZLIB
@@ -26,13 +28,36 @@ static double uncertainty(const cli_output_options *o)
     return o->gap_mm > usual ? o->gap_mm : usual;
 }
 
+// What the surfaces of a CAD base are called, in scratch: the names of its faces, or their numbers in its file.
+static kn_status name_surfaces(kn_ctx *ctx, kn_step_options *options, const cli_base *base)
+{
+    const size_t room = KN_NAME_BYTES;
+    if (!base || base->cad.nfaces == 0 || !base->face) return KN_OK;
+    size_t n = (size_t)base->nsurfaces;
+    const char **names = kn_scratch(ctx, n, sizeof *names);
+    char *texts = kn_scratch(ctx, n, room);
+    if (!names || !texts) return KN_ENOMEM;
+    for (size_t i = 0; i < n; i++) {
+        const char *name = base->cad.faces[base->face[i]].name;
+        char *text = texts + i * room;
+        names[i] = name[0] ? name : text;
+        snprintf(text, room, "face %d", base->face[i]);
+    }
+    options->surface_names = names, options->nsurfaces = base->nsurfaces;
+    return KN_OK;
+}
+
 static kn_status open_step_file(kn_ctx *ctx, kn_sink *out, const char *path, const cli_output_options *o,
                                 const kn_filter *filter)
 {
     kn_step_options options = {.unit_mm = o->unit_mm, .host = o->host, .uncertainty_mm = uncertainty(o)};
     options.schema = o->host ? KN_STEP_AP214 : o->schema; // what a host is written in
     options.filter = filter;
-    return kn_step_sink(ctx, out, path, &options);
+    kn_mark mark = kn_scratch_mark(ctx);
+    kn_status status = name_surfaces(ctx, &options, o->base);
+    if (status == KN_OK) status = kn_step_sink(ctx, out, path, &options);
+    kn_scratch_release(ctx, mark);
+    return status;
 }
 
 static kn_status open_step(kn_ctx *ctx, kn_sink *out, const char *path, const cli_output_options *o)

@@ -46,7 +46,11 @@ static int plan_layer(cli_session *session, cli_plan *plan, const cli_recipe *re
 int cli_plan_begin(cli_session *session, cli_plan *plan, const cli_recipe *recipe, const cli_inputs *inputs)
 {
     int code = EXIT_OK;
-    for (int i = 0; i < recipe->nlayers && code == EXIT_OK; i++) code = plan_layer(session, plan, recipe, inputs, i);
+    plan->base = &inputs->base;
+    for (int i = 0; i < recipe->nlayers && code == EXIT_OK; i++) {
+        if (recipe->layer[i].on > 0 && !recipe->layer[i].base_only) plan->base = NULL;
+        code = plan_layer(session, plan, recipe, inputs, i);
+    }
     if (code == EXIT_OK) plan->report = kn_job_describe_layers(plan->shown, plan->nshown);
     return code;
 }

@@ -146,8 +146,37 @@ static void knurled_knob(void **state)
     expect_text(text, "PRODUCT('knob'");
     expect_text(text, "PRE_DEFINED_COLOUR('red')"); // of the two fillets
     assert_null(strstr(text, "'grip'"));
+    expect_text(text, "ADVANCED_FACE('grip c23,3 ");
+    assert_null(strstr(text, "('s0 c"));
     free(text);
     remove(g2);
+    clear(&s);
+}
+
+// Cubics in the place of the exact faces: those of the border are the edges of the body, too.
+static void limited_knob(void **state)
+{
+    (void)state;
+    scene s;
+    make(&s);
+    char *said;
+    int code = apply(
+        &said,
+        "'%s' --faces name:grip --tile straight --count 16,3 --height 0.6 --taper 1.5 --max-degree cubic "
+        "--body replace --json -o '%s'",
+        s.knob, s.out);
+    if (code != 0) fail_msg("%s", said);
+    expect_body(said, "replace", 1, KNOB_FACES - 1, true);
+    free(said);
+    kn_occt_report r = check_file(s.ctx, s.out);
+    assert_int_equal(r.solids, 1);
+    assert_int_equal(r.closed_shells, 1);
+    assert_int_equal(r.free_edges, 0);
+    assert_int_equal(r.max_degree, 3);
+    assert_int_equal(r.faces, KNOB_FACES - 1 + 16 * 3 * 3);
+    assert_int_equal(r.valid_faces, r.faces);
+    assert_true(r.valid);
+    assert_true(r.volume > s.base.volume);
     clear(&s);
 }
 
@@ -271,14 +300,17 @@ static void sheet(void **state)
     assert_int_equal(r.solids, 0);
     assert_int_equal(r.faces, 3 + 3 * 3 * 13);
     assert_int_equal(r.valid_faces, r.faces);
+    char *text = test_read_file(s.out, NULL);
+    expect_text(text, "ADVANCED_FACE('face 0 c2,2 "); // it has no name
+    free(text);
     clear(&s);
 }
 
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(knurled_knob), cmocka_unit_test(covered_knob), cmocka_unit_test(cannot_replace),
-        cmocka_unit_test(rod),          cmocka_unit_test(sheet),
+        cmocka_unit_test(knurled_knob),   cmocka_unit_test(limited_knob), cmocka_unit_test(covered_knob),
+        cmocka_unit_test(cannot_replace), cmocka_unit_test(rod),          cmocka_unit_test(sheet),
     };
     return cmocka_run_group_tests_name("bridges/body", tests, NULL, NULL);
 }
