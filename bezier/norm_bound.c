@@ -99,8 +99,11 @@ kn_status kn_bezier_norm_bound(kn_ctx *ctx, double *bound, double *least, const 
 static bool ball_of(double *center, kn_deviation *v, const double *b, size_t n, int dim)
 {
     double square = 0.0, radius = 0.0;
-    for (size_t i = 0; i < n; i++)
+    v->least = INFINITY;
+    for (size_t i = 0; i < n; i++) {
         if (!(b[(size_t)dim * n + i] > 0.0)) return false;
+        v->least = fmin(v->least, b[(size_t)dim * n + i]);
+    }
     for (int c = 0; c < dim; c++) {
         double lo = INFINITY, hi = -INFINITY;
         for (size_t i = 0; i < n; i++) {
@@ -128,6 +131,7 @@ bool kn_deviation_of(kn_deviation *v, double *d, size_t n, int ncomp, bool ratio
     if (!(v->weight > 0.0)) return false;
     for (size_t i = 0; i < n; i++) {
         double dw = d[(size_t)dim * n + i], length = 0.0;
+        v->apart = fmax(v->apart, fabs(dw));
         for (int c = 0; c < dim; c++) {
             double *x = &d[(size_t)c * n + i];
             length = hypot(length, *x);
@@ -147,12 +151,19 @@ void kn_parts_add(kn_parts *rounding, double factor, const double *coef, size_t 
     rounding->weight = kn_round_up(rounding->weight + factor * most[1] + (most[1] > 0.0 ? UNDERFLOW : 0.0));
 }
 
-// e = x - dw C: what x and dw are wrong by, and R dw. Twice, because e may have been mapped further.
+// e = x - dw C: what x and dw are wrong by, and R dw. Twice, because e may have been mapped further. The ball about Q/v
+// is too small by what control points Q/v are wrong by, and w may be less.
 double kn_deviation_bound(const kn_deviation *v, double bound, const kn_parts *rounding, int ncomp)
 {
-    double each = rounding->coordinate * sqrt(ncomp) + 2.0 * v->extra;
-    if (v->radius >= 0.0) each += 2.0 * rounding->weight * (v->length + v->radius);
-    double sum = kn_round_up((bound + kn_round_up(each)) / v->weight);
+    double each = rounding->coordinate * sqrt(ncomp) + 2.0 * v->extra, weight = v->weight;
+    if (v->radius >= 0.0) {
+        double reach = v->length + v->radius, least = v->least - rounding->weight;
+        weight = (weight - rounding->weight) * (1.0 - 0x1p-50);
+        if (!(weight > 0.0) || !(least > 0.0)) return INFINITY;
+        double off = kn_round_up((rounding->coordinate * sqrt(ncomp) + reach * rounding->weight) / least);
+        each += 2.0 * rounding->weight * (reach + off) + off * v->apart;
+    }
+    double sum = kn_round_up((bound + kn_round_up(each)) / weight);
     if (each > 0.0) sum = nextafter(sum, INFINITY); // the quotient may underflow
     return isnan(sum) ? INFINITY : sum;
 }

@@ -34,6 +34,7 @@ static inline double kn_gamma_up(double n)
 // theirs alike. *extra: what rounding here added to |e|, at most. false: a weight is not positive.
 typedef struct kn_deviation {
     double radius, weight, extra, length; // length = |C|
+    double least, apart;                  // min v, max |w - v|
 } kn_deviation;
 bool kn_deviation_of(kn_deviation *v, double *d, size_t n, int ncomp, bool rational, const double *a, size_t na,
                      const double *b, size_t nb);
@@ -44,7 +45,8 @@ typedef struct kn_parts {
 } kn_parts;
 // rounding += factor times the largest coordinate and the largest weight (in rational pieces, the last component).
 void kn_parts_add(kn_parts *rounding, double factor, const double *coef, size_t n, int ncomp, bool rational);
-// The bound of |a - b| from that of the norm of e, when each coefficient of d was wrong by `rounding` at most.
+// The bound of |a - b| from that of the norm of e, when each coefficient of d, of a and of b was wrong by `rounding` at
+// most. INFINITY where weights then need not be positive.
 double kn_deviation_bound(const kn_deviation *v, double bound, const kn_parts *rounding, int ncomp);
 
 #endif

@@ -205,13 +205,18 @@ kn_status kn_limit_edge_angle(kn_ctx *ctx, double *angle, const kn_limit_fit *f,
     for (int k = 0; k < CURVES; k++) s.n[k] = k == EXACT_R || k == FIT_R ? x->from - 1 : x->from;
     // Restriction, elevation, halvings, a difference and a factor, of coordinates and of weights times coordinates.
     double steps = kn_gamma_up(8.0 * x->from + 3.0 * x->from * MOST_HALVINGS + 24.0);
-    double size = steps * (f->rough.coordinate * (s.rational ? 2.0 + 2.0 * f->rough.weight : 2.0));
-    if (s.rational) { // |P/w| is at most the largest |P| over the least weight
+    kn_parts rough = f->rough;
+    kn_parts_add(&rough, 1.0, f->coef, kn_limit_count(&f->axis[0]) * kn_limit_count(&f->axis[1]), s.ncomp,
+                 s.rational);
+    double size = 2.0 * steps * rough.coordinate;
+    if (s.rational) { // |P/w| is at most the largest |P| over the least weight; it is wrong, too, and times w'
         double least = INFINITY;
         size_t n = kn_bezier_count(f->a);
         for (size_t i = 0; i < n; i++) least = fmin(least, f->a->coef[3 * n + i]);
+        least -= steps * rough.weight;
         if (!(least > 0.0)) return KN_OK;
-        size *= 1.0 + f->rough.weight / least;
+        double spread = 1.0 + rough.weight / least;
+        size *= spread * spread;
     }
     s.rounding[0] = 4.0 * x->from * size;
     s.rounding[1] = 4.0 * fmax(over->from, ldexp(over->to, over->level)) * size;

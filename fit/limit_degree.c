@@ -141,8 +141,11 @@ static kn_status compare_spans(kn_ctx *ctx, fit *f, double *least, double enough
     if (!p || !q || !d.coef) return KN_ENOMEM;
     block(p, theirs, comps(f), a->nvars, of[1], at[1], size[1]);
     block(q, mine, comps(f), a->nvars, of[0], at[0], size[0]);
-    size_t outer = comps(f), n = all / comps(f);
-    for (int v = 0; v < a->nvars; v++) { // q raised to the piece's degrees
+    size_t outer = comps(f), n = all / comps(f), low = 1;
+    for (int v = 0; v < a->nvars; v++) low *= size[0][v];
+    kn_parts rounding = {kn_gamma_up(steps) * f->rough.coordinate, kn_gamma_up(steps) * f->rough.weight};
+    kn_parts_add(&rounding, kn_gamma_up(steps), q, low, a->ncomp, a->rational); // no larger where it is raised
+    for (int v = 0; v < a->nvars; v++) {                                        // q raised to the piece's degrees
         const kn_limit_axis *x = &f->axis[v];
         size_t inner = 1;
         for (int w = v + 1; w < a->nvars; w++) inner *= size[0][w];
@@ -156,8 +159,6 @@ static kn_status compare_spans(kn_ctx *ctx, fit *f, double *least, double enough
     }
     for (size_t i = 0; i < all; i++) d.coef[i] = p[i] - q[i];
     kn_deviation deviation;
-    kn_parts rounding = {kn_gamma_up(steps) * f->rough.coordinate, kn_gamma_up(steps) * f->rough.weight};
-    kn_parts_add(&rounding, kn_gamma_up(steps), q, n, a->ncomp, a->rational);
     if (!kn_deviation_of(&deviation, d.coef, n, a->ncomp, a->rational, p, n, q, n)) {
         f->error = INFINITY;
         return KN_OK;
