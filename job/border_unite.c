@@ -88,7 +88,7 @@ static size_t sort(uniting *u, int (*compare)(const void *, const void *))
 static kn_status cancel(kn_ctx *ctx, uniting *u)
 {
     kn_free(ctx, u->order);
-    u->order = kn_alloc(ctx, u->n, sizeof *u->order);
+    u->order = kn_alloc(ctx, u->n, sizeof(piece *));
     if (!u->order) return KN_ENOMEM;
     size_t n = sort(u, compare_segments);
     for (size_t i = 0; i + 1 < n; i++) {
@@ -210,7 +210,7 @@ static kn_status link(kn_ctx *ctx, kn_trim *out, bool *whole, uniting *u)
 {
     size_t n = sort(u, compare_starts);
     kn_mark mark = kn_scratch_mark(ctx);
-    piece **loop = kn_scratch(ctx, n + 1, sizeof *loop);
+    piece **loop = kn_scratch(ctx, n + 1, sizeof(piece *));
     kn_status status = loop ? KN_OK : KN_ENOMEM;
     *whole = true;
     for (size_t i = 0; status == KN_OK && *whole && i < n; i++) {

@@ -60,13 +60,26 @@ void kn_step_put_header(kn_text *text, const kn_step_about *about)
     kn_text_put(text, "'));\nENDSEC;\nDATA;\n");
 }
 
+// The number that n digits are, and past them and what separates them from others; -1: they are something else.
+static int read_digits(const char **at, int n)
+{
+    int x = 0;
+    for (int i = 0; i < n; i++, ++*at) {
+        if (**at < '0' || **at > '9') return -1;
+        x = 10 * x + (**at - '0');
+    }
+    if (**at) ++*at;
+    return x;
+}
+
 // "YYYY-MM-DDThh:mm:ss", as far as it is one.
 static void put_date(kn_text *text, uint64_t origin, const char *stamp)
 {
     int part[5] = {1970, 1, 1, 0, 0};
     char line[200];
-    if (sscanf(stamp, "%4d-%2d-%2dT%2d:%2d", &part[0], &part[1], &part[2], &part[3], &part[4]) < 3)
-        part[0] = 1970, part[1] = part[2] = 1;
+    int read = 0;
+    for (int x = 0; read < 5 && (x = read_digits(&stamp, read == 0 ? 4 : 2)) >= 0; read++) part[read] = x;
+    if (read < 3) part[0] = 1970, part[1] = part[2] = 1;
     snprintf(line, sizeof line,
              "#46=DATE_AND_TIME(#47,#48);\n#47=CALENDAR_DATE(%d,%d,%d);\n#48=LOCAL_TIME(%d,%d,$,#49);\n", part[0],
              part[2], part[1], part[3], part[4]);
