@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// STEP, IGES and BREP files: knurl-cad reads them, a program of its own, so that no broken file can crash or
-// hang this
-// one, and what it makes of them comes through a pipe.
+// STEP, IGES and BREP files: knurl-cad reads them, a program of its own, so that no broken file can crash or hang this
+// one, and what it makes of them comes through a pipe. Compressed ones are unpacked into a temporary file before.
 #include "cli/cli.h"
 #include "kernel/context.h"
+
+#if KN_WITH_ZLIB
+#include "bridges/zlib/gzip.h"
+#endif
 
 #include <errno.h>
 #include <fcntl.h>
@@ -147,9 +150,17 @@ static kn_status listen_to(kn_ctx *ctx, child *c, const char *path)
     return status;
 }
 
+// What comes behind "FILE: ", or the whole.
+static const char *behind(const char *text, const char *file)
+{
+    size_t n = strlen(file);
+    return strncmp(text, file, n) == 0 && strncmp(text + n, ": ", 2) == 0 ? text + n + 2 : text;
+}
+
 // Lines of standard error: the last that is no warning is the message. Warnings go to the log where all went well;
 // else the first may say why not.
-static const char *read_lines(kn_ctx *ctx, char *text, bool well, const char **warning)
+static const char *read_lines(kn_ctx *ctx, char *text, bool well, const char *path, const char *opened,
+                              const char **warning)
 {
     const char *message = "";
     *warning = NULL;
@@ -158,39 +169,38 @@ static const char *read_lines(kn_ctx *ctx, char *text, bool well, const char **w
         if (!warns)
             message = line;
         else if (well)
-            kn_log(ctx, KN_LOG_WARNING, "%s", line + 9);
+            kn_log(ctx, KN_LOG_WARNING, "%s: %s", path, behind(line + 9, opened));
         else if (!*warning)
             *warning = line + 9;
     }
     return message;
 }
 
-static kn_status judge(kn_ctx *ctx, child *c, int how, const char *path)
+// path: the file as messages name it; opened: as knurl-cad knows it.
+static kn_status judge(kn_ctx *ctx, child *c, int how, const char *path, const char *opened)
 {
     const char *warning;
     bool well = WIFEXITED(how) && WEXITSTATUS(how) == 0;
     c->text[c->text_bytes] = '\0';
-    const char *message = read_lines(ctx, c->text, well, &warning);
+    const char *message = read_lines(ctx, c->text, well, path, opened, &warning);
     if (well) return KN_OK;
-    size_t named = warning && strncmp(warning, path, strlen(path)) == 0 ? strlen(path) + 2 : 0;
-    const char *why = warning ? warning + named : "", *because = warning ? ": " : "";
+    const char *why = warning ? behind(warning, opened) : "", *because = warning ? ": " : "";
     if (WIFSIGNALED(how) && (WTERMSIG(how) == SIGXCPU || WTERMSIG(how) == SIGKILL))
         return kn_fail(ctx, KN_EPARSE, "%s: the reader was ended: it took too long%s%s", path, because, why);
     if (WIFSIGNALED(how)) return kn_fail(ctx, KN_EPARSE, "%s: the reader crashed on it%s%s", path, because, why);
     kn_status status = WEXITSTATUS(how) == EXIT_BAD_INPUT ? KN_EPARSE : KN_EIO;
-    if (*message) return kn_fail(ctx, status, "%s", message);
+    if (*message) return kn_fail(ctx, status, "%s: %s", path, behind(message, opened));
     return kn_fail(ctx, status, "%s: the reader gave up on it%s%s", path, because, why);
 }
 
-kn_status cli_run_cad(kn_ctx *ctx, unsigned char **data, size_t *bytes, const char *const *arguments,
-                      const char *path, FILE *input)
+// path: the file as messages name it; file_bytes: of what knurl-cad opens.
+static kn_status run(kn_ctx *ctx, unsigned char **data, size_t *bytes, const char *const *arguments, const char *path,
+                     size_t file_bytes, FILE *input)
 {
-    struct stat file;
-    if (stat(path, &file) != 0) return kn_fail(ctx, KN_EIO, "%s: cannot open: %s", path, strerror(errno));
     child *c = kn_alloc_zero(ctx, 1, sizeof *c);
     if (!c) return KN_ENOMEM;
     c->pipe[0] = c->pipe[1] = -1;
-    c->most = ((size_t)256 << 20) + 64 * (size_t)(file.st_size > 0 ? file.st_size : 0);
+    c->most = ((size_t)256 << 20) + 64 * file_bytes;
     kn_status status = start(ctx, c, arguments, path, input);
     if (status == KN_OK) status = listen_to(ctx, c, path);
     if (c->pid > 0) {
@@ -199,7 +209,7 @@ kn_status cli_run_cad(kn_ctx *ctx, unsigned char **data, size_t *bytes, const ch
         while (waitpid(c->pid, &how, 0) < 0 && errno == EINTR) {
         }
         if (status == KN_OK) status = kn_progress(ctx, "read", 1.0); // Ctrl-C may have ended it, too
-        if (status == KN_OK) status = judge(ctx, c, how, path);
+        if (status == KN_OK) status = judge(ctx, c, how, path, arguments[2]);
     }
     for (int i = 0; i < 2; i++) shut(&c->pipe[i]);
     if (status == KN_OK) {
@@ -209,6 +219,62 @@ kn_status cli_run_cad(kn_ctx *ctx, unsigned char **data, size_t *bytes, const ch
     }
     kn_free(ctx, c->data);
     kn_free(ctx, c);
+    return status;
+}
+
+// ---- compressed files ----
+
+#if KN_WITH_ZLIB
+// A folder of this process's own for one file.
+static kn_status unpack(kn_ctx *ctx, char folder[PATH_BYTES], char file[PATH_BYTES], const char *path, size_t bytes)
+{
+    static const size_t room = (size_t)64 << 20, times = 32; // STEP packs to a tenth or more
+    const char *where = getenv("TMPDIR");
+    int n = snprintf(folder, PATH_BYTES, "%s/knurl-XXXXXX", where && *where ? where : "/tmp");
+    bool made = n < PATH_BYTES - 8 && mkdtemp(folder);
+    if (!made) {
+        folder[0] = '\0';
+        return kn_fail(ctx, KN_EIO, "%s: no folder to unpack it into: %s", path, strerror(errno));
+    }
+    snprintf(file, PATH_BYTES, "%.*s/part", PATH_BYTES - 8, folder);
+    return kn_gunzip_file(ctx, file, path, room + times * bytes);
+}
+
+static bool is_packed(const char *path)
+{
+    return kn_gzip_is(path);
+}
+#else
+static kn_status unpack(kn_ctx *ctx, char folder[PATH_BYTES], char file[PATH_BYTES], const char *path, size_t bytes)
+{
+    (void)bytes;
+    folder[0] = file[0] = '\0';
+    return kn_fail(ctx, KN_ENOTBUILT, "%s: cannot be read: built without zlib", path);
+}
+
+static bool is_packed(const char *path)
+{
+    return cli_has_ending(path, "stpz") || cli_has_ending(path, "igz");
+}
+#endif
+
+kn_status cli_run_cad(kn_ctx *ctx, unsigned char **data, size_t *bytes, const char *const *arguments,
+                      const char *path, FILE *input)
+{
+    enum { MOST_ARGUMENTS = 8 };
+    struct stat file;
+    if (stat(path, &file) != 0) return kn_fail(ctx, KN_EIO, "%s: cannot open: %s", path, strerror(errno));
+    size_t size = file.st_size > 0 ? (size_t)file.st_size : 0;
+    if (!is_packed(path)) return run(ctx, data, bytes, arguments, path, size, input);
+    char folder[PATH_BYTES], unpacked[PATH_BYTES];
+    kn_status status = unpack(ctx, folder, unpacked, path, size);
+    if (status == KN_OK) {
+        const char *with[MOST_ARGUMENTS + 1] = {NULL};
+        for (int i = 0; i < MOST_ARGUMENTS && arguments[i]; i++) with[i] = i == 2 ? unpacked : arguments[i];
+        if (stat(unpacked, &file) == 0) size = (size_t)file.st_size;
+        status = run(ctx, data, bytes, with, path, size, input);
+    }
+    if (*folder) unlink(unpacked), rmdir(folder);
     return status;
 }
 

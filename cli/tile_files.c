@@ -139,11 +139,22 @@ kn_status cli_read_mesh(kn_ctx *ctx, kn_mesh *out, const char *path)
 
 // ---- tiles ----
 
+static kn_status refuse_weights(kn_ctx *ctx, const kn_cad *cad, const char *path)
+{
+    for (int i = 0; i < cad->nfaces; i++)
+        if (cad->faces[i].surface.rational)
+            return kn_fail(ctx, KN_EDOMAIN,
+                           "%s: face %d (%s) has weights; the faces of a tile are planes and splines without them",
+                           path, i, kn_cad_type_name(cad->faces[i].type));
+    return KN_OK;
+}
+
 // All faces, trimmed as they are; a trim that is the whole square is none.
 static kn_status read_cad_part(kn_ctx *ctx, kn_tile_part *part, const char *path)
 {
     kn_cad cad = {0};
     kn_status status = cli_read_cad(ctx, &cad, path);
+    if (status == KN_OK) status = refuse_weights(ctx, &cad, path);
     size_t n = (size_t)cad.nfaces;
     if (status == KN_OK) {
         part->splines = kn_alloc_zero(ctx, n, sizeof *part->splines);

@@ -3,15 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <new>
 #include <vector>
 
 #include <BRepCheck_Analyzer.hxx>
 #include <BRepGProp.hxx>
 #include <BRep_Tool.hxx>
-#include <BRepGProp.hxx>
 #include <Bnd_Box.hxx>
-#include <GProp_GProps.hxx>
 #include <GProp_GProps.hxx>
 #include <Geom_BSplineSurface.hxx>
 #include <IGESCAFControl_Reader.hxx>
@@ -19,12 +16,9 @@
 #include <IGESData_IGESEntity.hxx>
 #include <IGESData_IGESModel.hxx>
 #include <Interface_InterfaceModel.hxx>
-#include <Message.hxx>
-#include <Message_Messenger.hxx>
 #include <Quantity_Color.hxx>
 #include <STEPCAFControl_Reader.hxx>
 #include <STEPControl_Reader.hxx>
-#include <Standard_Failure.hxx>
 #include <StepShape_AdvancedFace.hxx>
 #include <TCollection_HAsciiString.hxx>
 #include <TColStd_SequenceOfAsciiString.hxx>
@@ -44,10 +38,8 @@
 #include <XSControl_TransferReader.hxx>
 #include <XSControl_WorkSession.hxx>
 
+#include "bridges/occt/guard.hpp"
 #include "bridges/occt/occt_check.h"
-extern "C" {
-#include "kernel/context.h"
-}
 
 struct kn_occt_model {
     STEPCAFControl_Reader reader;
@@ -59,42 +51,10 @@ struct kn_occt_model {
     std::vector<TCollection_AsciiString> names;
 };
 
+using kn_occt::guarded;
+
 namespace
 {
-
-// OCCT reports to the terminal; the library is silent. What printers were there come back at the end.
-class silence
-{
-  public:
-    silence() : printers(Message::DefaultMessenger()->ChangePrinters())
-    {
-        Message::DefaultMessenger()->ChangePrinters().Clear();
-    }
-    silence(const silence &) = delete;
-    silence &operator=(const silence &) = delete;
-    ~silence()
-    {
-        Message::DefaultMessenger()->ChangePrinters() = printers;
-    }
-
-  private:
-    Message_SequenceOfPrinters printers;
-};
-
-// Runs f; what it throws becomes a status.
-template <class F> kn_status guarded(kn_ctx *ctx, const char *what, F f)
-{
-    try {
-        silence quiet;
-        return f();
-    } catch (const std::bad_alloc &) {
-        return kn_fail(ctx, KN_ENOMEM, "%s: out of memory", what);
-    } catch (const Standard_Failure &failure) {
-        return kn_fail(ctx, KN_EUNDECIDED, "%s: OCCT: %s", what, failure.GetMessageString());
-    } catch (...) {
-        return kn_fail(ctx, KN_EUNDECIDED, "%s: OCCT threw", what);
-    }
-}
 
 void collect_faces(kn_occt_model *m)
 {
@@ -189,7 +149,7 @@ double unit_in_mm(const kn_occt_model *m)
 
 void check_face(kn_occt_report &report, Bnd_Box &box, const TopoDS_Face &face, int index)
 {
-    if (BRepCheck_Analyzer(face).IsValid())
+    if (report.valid || BRepCheck_Analyzer(face).IsValid()) // of a valid whole all faces are
         report.valid_faces++;
     else if (report.first_invalid < 0)
         report.first_invalid = index;
