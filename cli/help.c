@@ -35,12 +35,13 @@ static const char apply[] =
     "  knurl apply teapot.bpt --tile chain --size 0.3 -o teapot.step -o teapot.glb\n"
     "  knurl apply grip.g2 --tile knurl --count 48,12 --height 0.4 --json -o grip.step\n"
     "  knurl apply vase.g2 --tile scale --size 2,3 --dry-run\n"
+    "  knurl apply part.step --faces name:grip --tile knurl --count 36,5 --height 0.7 --taper 1.5 -o knurled.step\n"
     "  knurl apply recipe.json\n"
     "\n"
-    "BASE is a .bpt, .g2 or .itd file (all its surfaces and volumes are textured) or a recipe in JSON, which may "
-    "have\n"
-    "several layers.\n"
-    "OUT's ending picks the writer: .step .stp .stpz .igs .iges .stl .obj .glb .gltf\n"
+    "BASE is a .bpt, .g2 or .itd file (all its surfaces and volumes are textured), a CAD file (.step .stp .igs "
+    ".iges\n"
+    ".brep: --faces chooses) or a recipe in JSON, which may have several layers.\n"
+    "OUT's ending picks the writer: .step .stp .stpz .igs .iges .g2 .itd .vtu .mesh .pov .stl .obj .glb .gltf\n"
     "\n"
     "what and where:\n"
     "  -t, --tile TILE         a built-in name ('knurl tiles'), a description (.json), splines (.g2 .itd .bpt)\n"
@@ -58,13 +59,15 @@ static const char apply[] =
     "      --side above|below|both   w = 0 .. 1 from 0 to H, from 0 to -H, or from -H to H\n"
     "      --rotate DEG        turns the tile in its cell; tiles that cover by multiples of 90\n"
     "lengths may name their unit: 3mm, 0.5cm, 1in\n"
-    "placement, selection, variation: 'knurl help placement'\n"
+    "placement, faces of CAD files (--faces), variation: 'knurl help placement'\n"
     "which shell:\n"
     "      --direction X,Y,Z|FILE.g2      instead of the normal\n"
     "      --thickness X|FILE.g2          the height counts in it\n"
     "      --attraction X,Y,Z|FILE.g2     pulls by that times w to the power of\n"
     "      --attraction-power K           2 unless said\n"
-    "      a file holds one surface over (u,v): three components, or one for a thickness\n"
+    "      a file holds one surface over (u,v): three components, or one for a thickness\n";
+
+static const char exactly[] = // no string is longer than 4095 bytes
     "how exactly:\n"
     "      --normal fitted|exact-direction   how the unit normal is represented\n"
     "      --normal-tol E      its certified error (default 1e-6)\n"
@@ -74,7 +77,8 @@ static const char apply[] =
     "      --body replace|cover|none   of a CAD base, in STEP: the texture takes the place of the faces it covers\n"
     "                          (the default where the body stays closed), lies over them, or goes out alone\n"
     "      --merge             one face where patches form a smooth grid\n"
-    "      --step ap214|ap242|ap203   the protocol of STEP files (default: ap214; with --body that)\n"
+    "      --step ap214|ap242|ap203   the protocol of STEP files (default: ap214)\n"
+    "      --instances         an assembly in STEP files: cells that are equal, turned and shifted, once\n"
     "      --cells-tol L       how far free corners may change the surface (default: 1e-4 of a cell)\n"
     "      --crossing refuse|trim|approximate   of tiles across knot lines of the base: an error (the default), "
     "pieces\n"
@@ -271,13 +275,17 @@ static const char animate[] =
 int cli_help(FILE *to, const char *command)
 {
     static const struct {
-        const char *name, *text;
-    } texts[] = {{"apply", apply},     {"check", check},        {"slice", slice},   {"tiles", tiles},
-                 {"info", info},       {"eval", eval},          {"render", render}, {"animate", animate},
-                 {"convert", convert}, {"placement", placement}};
+        const char *name, *text, *more;
+    } texts[] = {{"apply", apply, exactly},     {"check", check, NULL},     {"slice", slice, NULL},
+                 {"tiles", tiles, NULL},        {"info", info, NULL},       {"eval", eval, NULL},
+                 {"render", render, NULL},      {"animate", animate, NULL}, {"convert", convert, NULL},
+                 {"placement", placement, NULL}};
     if (!command) return fputs(overview, to) < 0 ? EXIT_FAILED : EXIT_OK;
     for (size_t i = 0; i < sizeof texts / sizeof *texts; i++)
-        if (strcmp(command, texts[i].name) == 0) return fputs(texts[i].text, to) < 0 ? EXIT_FAILED : EXIT_OK;
+        if (strcmp(command, texts[i].name) == 0) {
+            const char *more = texts[i].more ? texts[i].more : "";
+            return fputs(texts[i].text, to) < 0 || fputs(more, to) < 0 ? EXIT_FAILED : EXIT_OK;
+        }
     cli_error("no help for '%s'", command);
     cli_usage_hint(NULL);
     return EXIT_USAGE;
