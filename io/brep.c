@@ -7,7 +7,8 @@
 
 #include <string.h>
 
-enum { NONE = UINT32_MAX, FIRST_ROOM = 64, CHUNK_BYTES = 42, VARINT_BYTES = 10 };
+static const uint32_t NONE = UINT32_MAX;
+enum { FIRST_ROOM = 64, CHUNK_BYTES = 42, VARINT_BYTES = 10 };
 
 // An edge or a vertex that waits. uses: of a vertex, the edges that do; of an edge 1; 0: the place is empty.
 typedef struct entry {
@@ -88,11 +89,6 @@ kn_brep_key kn_brep_hash(bool *turned, const double *x, int ncomp, size_t comp, 
     return key;
 }
 
-static bool same(kn_brep_key a, kn_brep_key b)
-{
-    return a.a == b.a && a.b == b.b;
-}
-
 // ---- tables: open addressing, the next place when one is taken ----
 
 static entry *find(const table *t, kn_brep_key key)
@@ -100,7 +96,7 @@ static entry *find(const table *t, kn_brep_key key)
     if (t->room == 0) return NULL;
     size_t mask = t->room - 1, at = key.a & mask;
     for (; t->entries[at].uses > 0; at = (at + 1) & mask)
-        if (same(t->entries[at].key, key)) return &t->entries[at];
+        if (kn_brep_same(t->entries[at].key, key)) return &t->entries[at];
     return NULL;
 }
 
@@ -222,7 +218,7 @@ static const entry *vertex_of(const kn_brep *b, kn_brep_key key, const kn_brep_k
     const entry *v = find(&b->vertices, key);
     for (int i = 0; i < npairs && !v; i++)
         for (int k = 0; k < 2 && !v; k++)
-            if (same(pairs[i][k], key)) v = find(&b->vertices, pairs[i][1 - k]);
+            if (kn_brep_same(pairs[i][k], key)) v = find(&b->vertices, pairs[i][1 - k]);
     return v;
 }
 
@@ -266,7 +262,7 @@ static void name_alone(const kn_brep_edge *edges, int n, uint64_t *next, kn_brep
         for (int k = 0; k < 2; k++) {
             names[i].new_vertex[k] = true;
             for (int j = 0; j < 2 * i + k && names[i].new_vertex[k]; j++)
-                if (same(edges[j / 2].vertex[j % 2], edges[i].vertex[k])) {
+                if (kn_brep_same(edges[j / 2].vertex[j % 2], edges[i].vertex[k])) {
                     names[i].vertex[k] = names[j / 2].vertex[j % 2];
                     names[i].new_vertex[k] = false;
                 }
@@ -307,7 +303,7 @@ kn_status kn_brep_add(kn_ctx *ctx, kn_brep *b, const kn_brep_edge *edges, int n,
     for (int i = 0; i < n && status == KN_OK; i++) {
         if (!names[i].new_edge) continue;
         int twin = i + 1;
-        while (twin < n && !(names[twin].new_edge && same(edges[twin].key, edges[i].key))) twin++;
+        while (twin < n && !(names[twin].new_edge && kn_brep_same(edges[twin].key, edges[i].key))) twin++;
         *next += 2;
         names[i].edge = *next - 1;
         if (twin < n) { // a seam

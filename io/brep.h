@@ -16,6 +16,11 @@
 typedef struct kn_brep_key {
     uint64_t a, b;
 } kn_brep_key;
+
+static inline bool kn_brep_same(kn_brep_key a, kn_brep_key b)
+{
+    return a.a == b.a && a.b == b.b;
+}
 // Of `ncomp` arrays of n numbers each, stride apart: coefficient i of component c at x[c * comp + i * step]. *turned:
 // the numbers were taken from the last to the first, because that order is the lesser one; both orders give one key.
 // A zero's sign does not count.
@@ -59,27 +64,28 @@ kn_status kn_brep_add(kn_ctx *ctx, kn_brep *b, const kn_brep_edge *edges, int n,
 kn_status kn_brep_end_face(kn_ctx *ctx, kn_brep *b, uint64_t number, int look, int *closed);
 
 // A body of faces that meet nobody, or a list of any numbers: never closed.
-kn_status kn_brep_open(kn_ctx *ctx, kn_brep *b, int *body);
+kn_status kn_brep_open(kn_ctx *ctx, kn_brep *b, int *out);
 // One more number in such a body.
-kn_status kn_brep_append(kn_ctx *ctx, kn_brep *b, int body, uint64_t number, int look);
+kn_status kn_brep_append(kn_ctx *ctx, kn_brep *b, int at, uint64_t number, int look);
 
 // ---- bodies of others, whose edges are there before the faces ----
 // A body that is told and found again by kn_brep_root, and never told to be closed.
-kn_status kn_brep_hold(kn_ctx *ctx, kn_brep *b, int *body);
+kn_status kn_brep_hold(kn_ctx *ctx, kn_brep *b, int *out);
 // A face of that body uses the edge already, in the direction of its key or not (forward): what it and its vertices
-// are called, and whether the edge of that name runs against that direction. fails: KN_EDOMAIN there is an edge of this key, or a vertex of one of these keys with another number.
-kn_status kn_brep_seed(kn_ctx *ctx, kn_brep *b, int body, const kn_brep_edge *edge, uint64_t number,
+// are called, and whether the edge of that name runs against that direction.
+// fails: KN_EDOMAIN there is an edge of this key, or a vertex of one of these keys with another number.
+kn_status kn_brep_seed(kn_ctx *ctx, kn_brep *b, int at, const kn_brep_edge *edge, uint64_t number,
                        const uint64_t vertex[2], bool against);
 // The face that was added last belongs to this body.
-void kn_brep_tie(kn_brep *b, int body);
+void kn_brep_tie(kn_brep *b, int at);
 // What the body has become a part of; whether a held one is; its edges that wait, and whether two faces use one of its
 // edges in the same direction.
-int kn_brep_root(const kn_brep *b, int body);
-bool kn_brep_held(const kn_brep *b, int body);
-uint32_t kn_brep_waiting(const kn_brep *b, int body, bool *odd);
+int kn_brep_root(const kn_brep *b, int at);
+bool kn_brep_held(const kn_brep *b, int at);
+uint32_t kn_brep_waiting(const kn_brep *b, int at, bool *odd);
 
-// Bodies that wait at the end: *body = the next one after *body (KN_BREP_NONE: from the first on); false: no more.
-bool kn_brep_next_body(const kn_brep *b, int *body);
+// Bodies that wait at the end: *at = the next one after *at (KN_BREP_NONE: from the first on); false: no more.
+bool kn_brep_next_body(const kn_brep *b, int *at);
 // A body's faces in the order of their arrival, look by look as told.
 typedef struct kn_brep_walk {
     uint32_t chunk, at;
@@ -87,12 +93,12 @@ typedef struct kn_brep_walk {
     int look;
     uint64_t left; // faces
 } kn_brep_walk;
-kn_brep_walk kn_brep_faces(const kn_brep *b, int body);
+kn_brep_walk kn_brep_faces(const kn_brep *b, int at);
 bool kn_brep_step(const kn_brep *b, kn_brep_walk *walk); // number and look of one more face; false: no more
 // The body's look, or KN_BREP_NONE where its faces have several.
-int kn_brep_look(const kn_brep *b, int body);
+int kn_brep_look(const kn_brep *b, int at);
 // Forgets a closed body.
-void kn_brep_drop(kn_brep *b, int body);
+void kn_brep_drop(kn_brep *b, int at);
 
 // An edge that waits, its vertices in the direction of its key.
 typedef struct kn_brep_open_edge {

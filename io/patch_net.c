@@ -71,11 +71,6 @@ static kn_brep_key corner_key(const kn_patch_net *f, int corner)
     return kn_brep_hash(&turned, f->point + 4 * corner_point(f, corner), 3, 1, 1, 0);
 }
 
-static bool equal_keys(kn_brep_key a, kn_brep_key b)
-{
-    return a.a == b.a && a.b == b.b;
-}
-
 // Knot k of the curve that runs the other way over the same domain.
 double kn_patch_knot(const kn_patch_axis *x, int k, bool turned)
 {
@@ -148,7 +143,7 @@ static void join_corners(kn_patch_net *f, bool reversed)
     for (int e = 0; e < 4; e++) {
         kn_patch_side *s = &f->side[e];
         kn_brep_key start = corner_key(f, side_start[e]), end = corner_key(f, side_end[e]);
-        if (s->collapsed && !equal_keys(start, end)) f->pair[f->npairs][0] = start, f->pair[f->npairs++][1] = end;
+        if (s->collapsed && !kn_brep_same(start, end)) f->pair[f->npairs][0] = start, f->pair[f->npairs++][1] = end;
         s->along = (e < 2) != s->turned;
         s->edge.forward = s->along != reversed;
         s->edge.vertex[0] = s->turned ? end : start, s->edge.vertex[1] = s->turned ? start : end;
@@ -157,7 +152,7 @@ static void join_corners(kn_patch_net *f, bool reversed)
     }
     for (int v = 0; v < 2; v++) { // closed in r: the edges r = 0 and r = 1 are one
         const kn_patch_side *lo = &f->side[v == 0 ? 3 : 0], *hi = &f->side[v == 0 ? 1 : 2];
-        f->closed[v] = equal_keys(lo->edge.key, hi->edge.key) && lo->turned == hi->turned;
+        f->closed[v] = kn_brep_same(lo->edge.key, hi->edge.key) && lo->turned == hi->turned;
     }
 }
 

@@ -34,16 +34,16 @@ static void put_form(kn_text *text, uint64_t number, const char *form, const uin
 static kn_status seed(kn_ctx *ctx, kn_step_join *j, const kn_step_seed *s, double mm)
 {
     const kn_step_host *host = j->host;
-    kn_step_line line;
+    kn_patch_curve line = {0};
     bool turned, unused;
     if (s->shell < 0 || s->shell >= host->nshells || kn_spline_dim(&s->curve) != 3 || s->curve.nvars != 1)
         return kn_fail(ctx, KN_EDOMAIN, "STEP: edge #%u of the body: shell %d of %d, a curve of dimension %d",
                        s->edge, s->shell, host->nshells, kn_spline_dim(&s->curve));
     kn_mark mark = kn_scratch_mark(ctx);
-    kn_status status = kn_step_load_line(ctx, &line, &s->curve, mm, 0);
+    kn_status status = kn_patch_curve_load(ctx, &line, &s->curve, 0, mm, "STEP");
     if (status == KN_OK) {
         const double *end[2] = {line.point, line.point + (line.axis.n - 1) * line.step};
-        kn_brep_edge e = {.key = kn_step_line_key(&turned, &line)};
+        kn_brep_edge e = {.key = kn_patch_curve_key(&turned, &line)};
         uint64_t vertex[2] = {s->vertex[turned], s->vertex[!turned]};
         e.forward = s->forward != turned;
         for (int k = 0; k < 2; k++) e.vertex[k] = kn_brep_hash(&unused, end[turned ? 1 - k : k], 3, 1, 1, 0);
