@@ -113,6 +113,7 @@ SHARED := $(if $(filter release debug,$(config)),$(B)/libknurl.so.$(VERSION))
 KNURL := $(if $(CLI_SRC),$(B)/knurl)
 CAD_SRC := $(if $(filter occt,$(BRIDGES)),$(wildcard bridges/occt/program/*.cpp)) # a program beside knurl, which runs it
 KNURL_CAD := $(if $(CAD_SRC),$(B)/knurl-cad)
+KNURL_3DM := $(if $(KNURL),$(B)/knurl-3dm.cjs) # what node runs for Rhino files
 TESTS := $(if $(filter cmocka,$(FOUND)),$(patsubst %.c,$(B)/%,$(filter-out $(if $(KNURL),,tests/cli/%),$(TEST_SRC))))
 BENCH_MAIN := $(if $(BENCH_SRC),$(shell grep -l '^int main' $(BENCH_SRC))) # the others are shared by all of them
 BENCHES := $(patsubst %.c,$(B)/%,$(BENCH_MAIN))
@@ -120,7 +121,7 @@ FUZZERS := $(patsubst %.c,$(B)/%,$(FUZZ_SRC))
 ALL_SRC := $(LIB_SRC) $(BRIDGE_SRC) $(CAD_SRC) $(CLI_SRC) $(TEST_SRC) $(SUPPORT_SRC) $(HELPER_SRC) $(BENCH_SRC) $(wildcard tests/fuzz/*.c)
 
 .PHONY: all lib tests benches fuzzers bench
-all: lib $(KNURL) $(KNURL_CAD)
+all: lib $(KNURL) $(KNURL_CAD) $(KNURL_3DM)
 lib: $(LIB) $(SHARED)
 tests: $(TESTS)
 benches: $(BENCHES)
@@ -181,6 +182,9 @@ $(B)/knurl-cad: $(call objects,$(CAD_SRC)) $(B)/libknurl_occt.a $(LIB)
 	$(call say,LINK,$@)
 	$(Q)$(CXX) $(ALL_LDFLAGS) -o $@ $^ $(LIBS_occt) $(LIBS)
 
+$(B)/knurl-3dm.cjs: bridges/rhino3dm/write.cjs
+	$(Q)mkdir -p $(@D) && cp $< $@
+
 # ---- built-in tiles: files of data/tiles become constant bytes in the library ----
 EMBEDDED := $(sort $(shell find data/tiles -type f -name '*.g2' 2>/dev/null))
 $(call noted,embed.list,$(EMBEDDED))
@@ -234,7 +238,7 @@ $(foreach d,$(sort $(patsubst tests/%/,%,$(dir $(TEST_SRC)))),$(eval $(call test
 
 
 .PHONY: test test-built
-test: tests $(KNURL) $(KNURL_CAD)
+test: tests $(KNURL) $(KNURL_CAD) $(KNURL_3DM)
 	$(Q)$(MAKE) test-built
 test-built: # runs what there is, also when some of it did not build: a missing program is a failure
 	$(Q)KNURL=$(abspath $(KNURL)) tests/run.sh $(B)/test-logs $(JOBS) $(TESTS)
@@ -348,8 +352,9 @@ install: all
 	$(Q)$(FILL) packaging/knurlConfigVersion.cmake.in > $(DEST)/lib/cmake/knurl/knurlConfigVersion.cmake
 	$(Q)install -m 644 data/teapot.bpt $(DEST)/share/knurl/
 ifneq ($(KNURL),)
-	$(Q)install -d $(DEST)/bin
+	$(Q)install -d $(DEST)/bin $(DEST)/libexec/knurl
 	$(Q)install -m 755 $(KNURL) $(DEST)/bin/
+	$(Q)install -m 644 $(KNURL_3DM) $(DEST)/libexec/knurl/
 endif
 ifneq ($(KNURL_CAD),)
 	$(Q)install -d $(DEST)/libexec/knurl

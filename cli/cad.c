@@ -21,7 +21,7 @@
 
 extern char **environ;
 
-enum { PATH_BYTES = 4096, TEXT_BYTES = 16384, BLOCK_BYTES = 1 << 16, PATIENCE_MS = 50 };
+enum { TEXT_BYTES = 16384, BLOCK_BYTES = 1 << 16, PATIENCE_MS = 50 };
 
 bool cli_is_cad(const char *path)
 {
@@ -29,26 +29,6 @@ bool cli_is_cad(const char *path)
     for (size_t i = 0; i < sizeof endings / sizeof *endings; i++)
         if (cli_has_ending(path, endings[i])) return true;
     return false;
-}
-
-// Beside knurl, or in libexec beside the folder that knurl lies in; else the shell's way.
-static void find_program(char out[PATH_BYTES])
-{
-    static const char *const places[] = {"knurl-cad", "../libexec/knurl/knurl-cad"};
-    const char *named = getenv("KNURL_CAD");
-    if (named && *named) {
-        snprintf(out, PATH_BYTES, "%s", named);
-        return;
-    }
-    char self[PATH_BYTES];
-    ssize_t n = readlink("/proc/self/exe", self, sizeof self - 1);
-    self[n > 0 ? n : 0] = '\0';
-    char *slash = strrchr(self, '/');
-    for (size_t i = 0; slash && i < sizeof places / sizeof *places; i++) {
-        int length = snprintf(out, PATH_BYTES, "%.*s%s", (int)(slash - self + 1), self, places[i]);
-        if (length < PATH_BYTES && access(out, X_OK) == 0) return;
-    }
-    snprintf(out, PATH_BYTES, "knurl-cad");
 }
 
 // A running knurl-cad: its two streams, and what came of them.
@@ -70,8 +50,8 @@ static void shut(int *file)
 static kn_status start(kn_ctx *ctx, child *c, const char *const *arguments, const char *path, FILE *input)
 {
     int out[2] = {-1, -1}, err[2] = {-1, -1};
-    char program[PATH_BYTES];
-    find_program(program);
+    char program[CLI_PATH_BYTES];
+    cli_find_program(program, "knurl-cad", "KNURL_CAD");
     if (pipe(out) != 0 || pipe(err) != 0) {
         for (int i = 0; i < 2; i++) shut(&out[i]), shut(&err[i]);
         return kn_fail(ctx, KN_EIO, "%s: no pipe: %s", path, strerror(errno));
@@ -226,17 +206,18 @@ static kn_status run(kn_ctx *ctx, unsigned char **data, size_t *bytes, const cha
 
 #if KN_WITH_ZLIB
 // A folder of this process's own for one file.
-static kn_status unpack(kn_ctx *ctx, char folder[PATH_BYTES], char file[PATH_BYTES], const char *path, size_t bytes)
+static kn_status unpack(kn_ctx *ctx, char folder[CLI_PATH_BYTES], char file[CLI_PATH_BYTES], const char *path,
+                        size_t bytes)
 {
     static const size_t room = (size_t)64 << 20, times = 32; // STEP packs to a tenth or more
     const char *where = getenv("TMPDIR");
-    int n = snprintf(folder, PATH_BYTES, "%s/knurl-XXXXXX", where && *where ? where : "/tmp");
-    bool made = n < PATH_BYTES - 8 && mkdtemp(folder);
+    int n = snprintf(folder, CLI_PATH_BYTES, "%s/knurl-XXXXXX", where && *where ? where : "/tmp");
+    bool made = n < CLI_PATH_BYTES - 8 && mkdtemp(folder);
     if (!made) {
         folder[0] = '\0';
         return kn_fail(ctx, KN_EIO, "%s: no folder to unpack it into: %s", path, strerror(errno));
     }
-    snprintf(file, PATH_BYTES, "%.*s/part", PATH_BYTES - 8, folder);
+    snprintf(file, CLI_PATH_BYTES, "%.*s/part", CLI_PATH_BYTES - 8, folder);
     return kn_gunzip_file(ctx, file, path, room + times * bytes);
 }
 
@@ -245,7 +226,8 @@ static bool is_packed(const char *path)
     return kn_gzip_is(path);
 }
 #else
-static kn_status unpack(kn_ctx *ctx, char folder[PATH_BYTES], char file[PATH_BYTES], const char *path, size_t bytes)
+static kn_status unpack(kn_ctx *ctx, char folder[CLI_PATH_BYTES], char file[CLI_PATH_BYTES], const char *path,
+                        size_t bytes)
 {
     (void)bytes;
     folder[0] = file[0] = '\0';
@@ -266,7 +248,7 @@ kn_status cli_run_cad(kn_ctx *ctx, unsigned char **data, size_t *bytes, const ch
     if (stat(path, &file) != 0) return kn_fail(ctx, KN_EIO, "%s: cannot open: %s", path, strerror(errno));
     size_t size = file.st_size > 0 ? (size_t)file.st_size : 0;
     if (!is_packed(path)) return run(ctx, data, bytes, arguments, path, size, input);
-    char folder[PATH_BYTES], unpacked[PATH_BYTES];
+    char folder[CLI_PATH_BYTES], unpacked[CLI_PATH_BYTES];
     kn_status status = unpack(ctx, folder, unpacked, path, size);
     if (status == KN_OK) {
         const char *with[MOST_ARGUMENTS + 1] = {NULL};

@@ -91,6 +91,12 @@ int cli_fail_at(cli_session *session, kn_status status, const char *format, ...)
 void cli_warn(cli_session *session, const char *format, ...) KN_PRINTF(2, 3);
 double cli_seconds(void); // a monotonic clock
 
+// ---- programs that knurl runs ----
+enum { CLI_PATH_BYTES = 4096 };
+// What the environment's variable names; else the file of that name beside knurl, or in libexec beside the folder that
+// knurl lies in; else the name alone, for the shell's way.
+void cli_find_program(char out[CLI_PATH_BYTES], const char *name, const char *variable);
+
 // ---- inputs ----
 // All surfaces (two variables, three dimensions) of a spline file, and volumes if wanted, moved out of the model;
 // others are left out.
@@ -224,6 +230,7 @@ typedef struct cli_job {
     const char *face_text[CLI_MAX_FACE_TEXTS]; // that a CAD file is to be asked for
     int *chosen, nface_texts;                  // chosen: surfaces, once cli_choose_faces has found them
     int max_degree;                            // of faces in CAD files; 0: 25
+    bool instances;                            // in STEP files: cells that are equal once
     bool merge;                                // faces of several patches in CAD files
     int on;                                    // the layer that is its base, counted from 1; 0: the recipe's base
     int threads;
@@ -349,12 +356,16 @@ bool cli_can_write(const char *path);
 typedef struct cli_output_options {
     double unit_mm;
     const kn_step_host *host; // of STEP files; NULL: none
-    kn_step_schema schema;    // of STEP files; with a host AP214
+    kn_step_schema schema;    // of STEP files
     double gap_mm;            // between the host's edges and those of the texture
+    bool instances;           // of STEP files: an assembly
     bool obj_surfaces;        // curves and surfaces in .obj files instead of triangles
     const cli_base *base;     // whose faces give their names to those of STEP files; NULL: none
 } cli_output_options;
 kn_status cli_open_sink(kn_ctx *ctx, kn_sink *out, const char *path, const cli_output_options *options);
+// A sink for Rhino's .3dm files: of curves and untrimmed surfaces, by node and its package rhino3dm, which hold the
+// whole file in memory. fails: as kn_g2_sink; KN_ENOTBUILT where they are missing, or refuse.
+kn_status cli_rhino_sink(kn_ctx *ctx, kn_sink *out, const char *path, double unit_mm);
 bool cli_writes_cad(const char *path);  // of those that can be written
 bool cli_holds_trims(const char *path); // trimmed surfaces as such, not as triangles
 // The faces of a CAD file through sinks; trims_held: whole, else piece by piece.

@@ -51,8 +51,9 @@ static kn_status open_step_file(kn_ctx *ctx, kn_sink *out, const char *path, con
                                 const kn_filter *filter)
 {
     kn_step_options options = {.unit_mm = o->unit_mm, .host = o->host, .uncertainty_mm = uncertainty(o)};
-    options.schema = o->host ? KN_STEP_AP214 : o->schema; // what a host is written in
+    options.schema = o->schema;
     options.filter = filter;
+    options.instances = o->instances;
     kn_mark mark = kn_scratch_mark(ctx);
     kn_status status = name_surfaces(ctx, &options, o->base);
     if (status == KN_OK) status = kn_step_sink(ctx, out, path, &options);
@@ -120,6 +121,11 @@ static kn_status open_pov(kn_ctx *ctx, kn_sink *out, const char *path, const cli
     return kn_pov_sink(ctx, out, path);
 }
 
+static kn_status open_rhino(kn_ctx *ctx, kn_sink *out, const char *path, const cli_output_options *o)
+{
+    return cli_rhino_sink(ctx, out, path, o->unit_mm);
+}
+
 #if KN_WITH_TINYGLTF
 static kn_status open_gltf(kn_ctx *ctx, kn_sink *out, const char *path, const cli_output_options *o)
 {
@@ -133,7 +139,7 @@ static const writer writers[] = {
     {"g2", open_g2, 58, 90, 0, 0, false},          {"itd", open_itd, 62, 70, 0, 20, false},
     {"vtu", open_vtu, 53.4, 90, 0, 1500, false},   {"mesh", open_mfem, 60, 200, 0, 300, false},
     {"pov", open_pov, 0, 100, 61, 1500, false},    {"stl", open_stl, 0, 0, 50, 84, false},
-    {"obj", open_obj, 0, 0, 75, 500, false},
+    {"obj", open_obj, 0, 0, 75, 500, false},       {"3dm", open_rhino, 34, 700, 0, 6000, true},
 #if KN_WITH_ZLIB
     {"stpz", open_stpz, 41, 160, 0, 1800, true},
 #endif
@@ -161,12 +167,13 @@ bool cli_writes_cad(const char *path)
 
 bool cli_holds_trims(const char *path)
 {
+    if (cli_has_ending(path, "3dm")) return false;
     return cli_writes_cad(path) || cli_has_ending(path, "g2") || cli_has_ending(path, "itd");
 }
 
 const char *cli_writable_endings(void)
 {
-    return ".step .stp .igs .iges .g2 .itd .vtu .mesh .pov .stl .obj"
+    return ".step .stp .igs .iges .g2 .itd .3dm .vtu .mesh .pov .stl .obj"
 #if KN_WITH_ZLIB
            " .stpz"
 #else
