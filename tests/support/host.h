@@ -17,7 +17,7 @@ typedef struct test_host {
 } test_host;
 
 // The lid rises to z = 3 in its middle, bilinear patch by patch: together 36 of volume. degree: of the lid's patches.
-void test_host_make(kn_ctx *ctx, test_host *out, int degree);
+void test_host_make(kn_ctx *ctx, test_host *h, int degree);
 void test_host_clear(kn_ctx *ctx, test_host *h);
 
 #endif
