@@ -30,7 +30,7 @@ struct chart {
     double lo[2], hi[2];
     double size[2]; // mm in the unit of r and of t, at most about
     void at(const gp_Pnt2d &p, double out[2]) const;
-    void along(const gp_Pnt2d &p, const gp_Vec2d &d, double out[2]) const;
+    void along(const gp_Pnt2d &p, const gp_Vec2d &v, double out[2]) const;
 };
 
 // A curve in the square as a polynomial spline.
@@ -41,7 +41,7 @@ struct outline {
 };
 
 // fails: throws Standard_Failure: an edge without a curve on the face, edges that do not form loops.
-std::vector<loop> loops_of(const TopoDS_Face &face);
+std::vector<loop> loops_of(const TopoDS_Face &shape);
 // The box of the loops' curves, u0, u1, v0, v1: at the ends of the surface where it comes near them.
 void box_of(double box[4], const TopoDS_Face &face, const std::vector<loop> &loops);
 // Lines and polynomial splines as they are, others as cubics that are met to about tolerance, mm.
