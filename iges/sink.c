@@ -10,7 +10,7 @@
 #include <stdio.h>
 #include <string.h>
 
-enum { FLUSH_BYTES = 1 << 20, STAMP_BYTES = 16, MOST_NAME = 256 };
+enum { FLUSH_BYTES = 1 << 18, STAMP_BYTES = 16, MOST_NAME = 256 };
 
 typedef struct iges {
     kn_out_file *file, *parameters;
@@ -139,6 +139,7 @@ static kn_status iges_work(kn_ctx *worker, void *user, const kn_patch_block *blo
         if (status != KN_OK) break;
         status = kn_patch_nvars(patch) == 3 ? put_volume(worker, s, w, patch) : put_patch(s, w, patch);
     }
+    if (status == KN_OK) status = kn_text_fit(&w->text);
     if (status != KN_OK) {
         iges_discard(worker, user, w);
         return status;

@@ -6,7 +6,13 @@
 
 #include <string.h>
 
-enum { FIRST_ROOM = 4096, LINE_BYTES = 100, RELATIVE = 1, RELATIVE_BYTES = 5 }; // no text has a character 1
+enum {
+    FIRST_ROOM = 4096,
+    LONG_ROOM = 1 << 20, // from which on a text grows by less than as much again
+    LINE_BYTES = 100,
+    RELATIVE = 1, // no text has a character 1
+    RELATIVE_BYTES = 5
+};
 
 void kn_text_clear(kn_text *text)
 {
@@ -15,13 +21,23 @@ void kn_text_clear(kn_text *text)
     text->bytes = text->room = text->line = 0;
 }
 
+kn_status kn_text_fit(kn_text *text)
+{
+    if (text->failed) return KN_ENOMEM;
+    if (text->bytes == 0 || text->bytes == text->room) return KN_OK;
+    char *smaller = kn_resize(text->ctx, text->data, text->bytes, 1);
+    if (!smaller) return KN_ENOMEM;
+    text->data = smaller, text->room = text->bytes;
+    return KN_OK;
+}
+
 // A place for `bytes` more bytes, or NULL.
 static char *reserve(kn_text *text, size_t bytes)
 {
     if (text->failed) return NULL;
     if (text->room - text->bytes < bytes) {
         size_t room = text->room > 0 ? text->room : FIRST_ROOM;
-        while (room - text->bytes < bytes) room *= 2;
+        while (room - text->bytes < bytes) room += room < LONG_ROOM ? room : room / 4;
         char *larger = text->data == NULL ? kn_alloc(text->ctx, room, 1) : kn_resize(text->ctx, text->data, room, 1);
         text->failed = larger == NULL;
         if (text->failed) return NULL;

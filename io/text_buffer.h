@@ -16,6 +16,8 @@ typedef struct kn_text {
 } kn_text;
 
 void kn_text_clear(kn_text *text);
+// Gives back the room that is left: for a text that waits. fails: KN_ENOMEM, now or before.
+KN_CHECKED kn_status kn_text_fit(kn_text *text);
 void kn_text_put(kn_text *text, const char *string);
 void kn_text_bytes(kn_text *text, const void *data, size_t bytes);
 void kn_text_char(kn_text *text, char c);

@@ -11,7 +11,7 @@
 #include <stdio.h>
 #include <string.h>
 
-enum { FLUSH_BYTES = 1 << 20, ENTITIES = 9 }; // of a face, at least, beside its points: see number_patches
+enum { FLUSH_BYTES = 1 << 18, ENTITIES = 9 }; // of a face, at least, beside its points: see number_patches
 
 typedef struct step {
     kn_out_file *file;
@@ -172,6 +172,7 @@ static kn_status step_work(kn_ctx *worker, void *user, const kn_patch_block *blo
         if (status != KN_OK) break;
         status = kn_patch_nvars(patch) == 3 ? put_volume(worker, s, w, patch) : put_face(worker, s, w, patch);
     }
+    if (status == KN_OK) status = kn_text_fit(&w->text);
     if (status != KN_OK) {
         step_discard(worker, user, w);
         return status;

@@ -242,6 +242,7 @@ static kn_status work(kn_ctx *worker, void *user, const kn_patch_block *block, v
     made->text.ctx = worker;
     for (int c = 0; c < 3; c++) made->lo[c] = INFINITY, made->hi[c] = -INFINITY;
     kn_status status = write_block(worker, user, block, made);
+    if (status == KN_OK) status = kn_text_fit(&made->text);
     if (status == KN_OK)
         *product = made;
     else
