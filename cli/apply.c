@@ -66,6 +66,7 @@ static const char *resume_conflict(const cli_apply *a)
 {
     if (a->recipe.layer[0].merge)
         return "--resume: patches that --merge puts together wait in memory: one or the other";
+    if (a->recipe.layer[0].instances) return "--resume: what --instances compares waits in memory: one or the other";
     for (int i = 0; i < a->recipe.noutputs; i++)
         if (cli_has_ending(a->recipe.outputs[i], "glb") || cli_has_ending(a->recipe.outputs[i], "gltf"))
             return "--resume: a glTF file is held in memory until its end: write .step, .stl or .obj, or without "
@@ -73,14 +74,24 @@ static const char *resume_conflict(const cli_apply *a)
     return NULL;
 }
 
+static const char *instances_conflict(const cli_apply *a)
+{
+    const cli_job *job = &a->recipe.layer[0];
+    if (!job->instances) return NULL;
+    if (job->merge) return "--instances: faces that --merge puts together belong to several cells: one or the other";
+    return job->step == KN_STEP_AP203 ? "--instances: AP203 controls each part of an assembly: AP214 or AP242" : NULL;
+}
+
 static int check_arguments(const cli_apply *a)
 {
     const cli_recipe *r = &a->recipe;
     const char *no_resume = a->resume && !a->dry_run ? resume_conflict(a) : NULL;
+    const char *apart = instances_conflict(a);
     const char *missing = !r->layer[0].base                 ? "a BASE file is missing"
                           : !r->layer[0].tile               ? "--tile is missing ('knurl tiles' lists them)"
                           : r->noutputs == 0 && !a->dry_run ? "no output: give -o OUT, or --dry-run"
                           : no_resume                       ? no_resume
+                          : apart                           ? apart
                                                             : cli_recipe_conflict(r);
     if (!missing) return EXIT_OK;
     cli_error("apply: %s", missing);
@@ -132,6 +143,7 @@ static kn_status run(kn_ctx *ctx, const cli_apply *a, const cli_plan *plan, cons
                                                      .host = host,
                                                      .schema = a->recipe.layer[0].step,
                                                      .gap_mm = body->body.gap,
+                                                     .instances = a->recipe.layer[0].instances,
                                                      .base = plan->base});
     }
     if (status != KN_OK)

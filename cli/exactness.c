@@ -2,7 +2,20 @@
 // Options of exactness, for all layers: normals, degrees, tolerances, the unit, and tiles that cross knot lines.
 #include "cli/cli.h"
 
-enum { NORMAL, NORMAL_TOL, MAX_DEGREE, TOL, CELLS_TOL, CROSSING, CROSSING_TOL, MERGE, STEP, UNIT, OPTIONS };
+enum {
+    NORMAL,
+    NORMAL_TOL,
+    MAX_DEGREE,
+    TOL,
+    CELLS_TOL,
+    CROSSING,
+    CROSSING_TOL,
+    MERGE,
+    STEP,
+    INSTANCES,
+    UNIT,
+    OPTIONS
+};
 static const cli_option options[OPTIONS] = {
     [NORMAL] = {"normal", 0, CLI_TEXT},
     [NORMAL_TOL] = {"normal-tol", 0, CLI_TEXT},
@@ -13,6 +26,7 @@ static const cli_option options[OPTIONS] = {
     [CROSSING_TOL] = {"crossing-tol", 0, CLI_TEXT},
     [MERGE] = {"merge", 0, CLI_NOTHING},
     [STEP] = {"step", 0, CLI_TEXT},
+    [INSTANCES] = {"instances", 0, CLI_NOTHING},
     [UNIT] = {"unit", 0, CLI_TEXT},
 };
 
@@ -58,6 +72,7 @@ static bool set(cli_job *job, const char *name, int option, const char *text)
     case CROSSING: return set_crossing(name, text, o);
     case CROSSING_TOL: return cli_positive_length(name, text, &job->crossing_tol);
     case MERGE: return job->merge = true;
+    case INSTANCES: return job->instances = true;
     case STEP: return set_step(name, text, &job->step);
     case UNIT: return cli_set_unit(name, text, &job->unit_mm);
     default: return false;

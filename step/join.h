@@ -23,6 +23,7 @@ typedef struct kn_step_join {
     kn_step_look *looks;
     int nlooks;
     int solids, styled; // lists of numbers
+    int placed;         // list of the placements of instances, KN_BREP_NONE: there are none
     uint64_t nsolids, nstyled, nshells, ncurves;
 } kn_step_join;
 
@@ -40,5 +41,21 @@ kn_status kn_step_join_end(kn_ctx *ctx, kn_step_join *j, kn_text *out, kn_status
                            void *user);
 void kn_step_join_save(const kn_step_join *j, kn_state *state);
 kn_status kn_step_join_restore(kn_ctx *ctx, kn_step_join *j, kn_state_reader *r);
+
+// ---- what join.c, finish.c and instances.c share; put NULL: the text may become as long as it wants ----
+uint64_t kn_step_look_number(const kn_step_join *j, int look); // first of a look's numbers
+// "#number=" and the form, whose every '#' is the next one of the references.
+void kn_step_put_references(kn_text *text, uint64_t number, const char *form, const uint64_t *references);
+// "#1,#2,.." of a body's faces, or of a list.
+kn_status kn_step_join_put_list(const kn_brep *brep, int body, kn_text *out,
+                                kn_status (*put)(void *user, kn_text *out), void *user);
+kn_status kn_step_join_style(kn_ctx *ctx, kn_step_join *j, kn_text *out, uint64_t item, int look);
+kn_status kn_step_join_style_faces(kn_ctx *ctx, kn_step_join *j, kn_text *out, int body,
+                                   kn_status (*put)(void *user, kn_text *out), void *user);
+// The item, or where its faces have several looks each of them.
+kn_status kn_step_join_style_body(kn_ctx *ctx, kn_step_join *j, kn_text *out, uint64_t item, int body);
+// The edge, once all faces are known that use it: with what they call it in their own parameters.
+void kn_step_join_put_edge(kn_step_join *j, kn_text *out, const kn_brep_name *name);
+bool kn_step_join_is_list(const kn_step_join *j, int body); // and no body
 
 #endif

@@ -3,6 +3,7 @@
 #include <knurl/step.h>
 
 #include "io/out_file.h"
+#include "step/instances.h"
 #include "step/join.h"
 #include "kernel/context.h"
 
@@ -22,6 +23,8 @@ typedef struct step {
     int degree[2], volume_degree;
     bool curves;
     uint64_t patches;
+    bool instances;
+    kn_step_cells *cells; // of instances
 } step;
 
 // What a thread makes of a block.
@@ -29,6 +32,7 @@ typedef struct written {
     kn_text text;
     kn_step_item *items;
     size_t nitems;
+    kn_step_points points; // of instances
 } written;
 
 static kn_status copy_string(kn_ctx *ctx, char **out, const char *string)
@@ -95,6 +99,7 @@ static kn_status step_begin(kn_ctx *ctx, void *user, const kn_tile *tile, const 
     kn_text text = {.ctx = ctx};
     kn_status status = take_report(ctx, s, report);
     if (status == KN_OK) status = kn_step_join_begin(ctx, &s->join, tile, s->unit_mm);
+    if (status == KN_OK && s->instances) status = kn_step_cells_create(ctx, &s->cells, &s->join);
     if (status == KN_OK) {
         kn_step_put_header(&text, &s->about);
         kn_step_join_put_begin(&s->join, &text);
@@ -125,7 +130,7 @@ static kn_status put_face(kn_ctx *ctx, const step *s, written *w, const kn_patch
     kn_status status = kn_patch_nvars(patch) == 1 ? kn_step_put_curve(&w->text, item, patch, s->unit_mm)
                                                   : kn_step_put_face(&w->text, item, patch, &s->naming,
                                                                      s->join.looks[patch->look].name, s->unit_mm);
-    (void)ctx;
+    if (status == KN_OK && s->instances) status = kn_step_note_points(ctx, &w->points, item, patch, s->unit_mm);
     item->text_begin = begin;
     w->nitems++;
     return status;
@@ -152,7 +157,7 @@ static void step_discard(kn_ctx *ctx, void *user, void *product)
     if (w == NULL) return;
     w->text.ctx = ctx; // the worker's own context may be gone
     kn_text_clear(&w->text);
-    kn_free(ctx, w->items);
+    kn_free(ctx, w->items), kn_free(ctx, w->points.x);
     kn_free(ctx, w);
 }
 
@@ -189,7 +194,10 @@ static kn_status step_commit(kn_ctx *ctx, void *user, const kn_patch_block *bloc
     kn_status status = KN_OK;
     (void)block;
     for (size_t i = 0; i < w->nitems && status == KN_OK; i++) {
-        status = kn_step_join_item(ctx, &s->join, &text, &w->items[i], w->text.data);
+        const kn_step_item *item = &w->items[i];
+        size_t end = i + 1 < w->nitems ? w->items[i + 1].text_begin : w->text.bytes;
+        status = s->cells ? kn_step_cells_add(ctx, s->cells, &text, item, w->text.data, end, w->points.x)
+                          : kn_step_join_item(ctx, &s->join, &text, item, w->text.data);
         if (status == KN_OK && text.bytes > FLUSH_BYTES) status = flush(ctx, s, &text);
     }
     if (status == KN_OK) status = flush(ctx, s, &text);
@@ -215,7 +223,8 @@ static kn_status step_end(kn_ctx *ctx, void *user)
 {
     step *s = user;
     kn_text text = {.ctx = ctx};
-    kn_status status = kn_step_join_end(ctx, &s->join, &text, empty, &(ending){ctx, s});
+    kn_status status = s->cells ? kn_step_cells_end(ctx, s->cells, &text) : KN_OK;
+    if (status == KN_OK) status = kn_step_join_end(ctx, &s->join, &text, empty, &(ending){ctx, s});
     kn_text_put(&text, "ENDSEC;\nEND-ISO-10303-21;\n");
     if (status == KN_OK) status = flush(ctx, s, &text);
     if (status == KN_OK) status = kn_out_commit(ctx, s->file);
@@ -227,6 +236,7 @@ static void step_close(kn_ctx *ctx, void *user)
 {
     step *s = user;
     kn_out_close(ctx, s->file);
+    kn_step_cells_destroy(ctx, s->cells);
     kn_step_join_clear(ctx, &s->join);
     kn_free(ctx, s->about.product);
     kn_free(ctx, s->about.time_stamp);
@@ -268,6 +278,7 @@ static kn_status copy_options(kn_ctx *ctx, step *s, const kn_step_options *o)
     s->unit_mm = o->unit_mm > 0.0 ? o->unit_mm : 1.0;
     about->uncertainty_mm = o->uncertainty_mm > 0.0 ? o->uncertainty_mm : 1e-3;
     about->schema = o->schema;
+    s->instances = o->instances;
     s->join.host = o->host, s->join.about = about, s->join.naming = &s->naming;
     kn_status status = copy_string(ctx, &about->product, o->product != NULL ? o->product : "knurl");
     if (status == KN_OK)
@@ -290,6 +301,8 @@ kn_status kn_step_sink(kn_ctx *ctx, kn_sink *out, const char *path, const kn_ste
         return kn_fail(ctx, KN_EDOMAIN, "STEP: unit %g mm, uncertainty %g mm", o.unit_mm, o.uncertainty_mm);
     if ((int)o.schema < 0 || o.schema > KN_STEP_AP203 || o.nsurfaces < 0)
         return kn_fail(ctx, KN_EDOMAIN, "STEP: schema %d, %d names of surfaces", (int)o.schema, o.nsurfaces);
+    if (o.instances && o.schema == KN_STEP_AP203)
+        return kn_fail(ctx, KN_EDOMAIN, "STEP: instances: AP203 controls each part of an assembly: AP214 or AP242");
     step *s = kn_alloc_zero(ctx, 1, sizeof *s);
     if (s == NULL) return KN_ENOMEM;
     kn_status status = copy_options(ctx, s, &o);
@@ -301,5 +314,6 @@ kn_status kn_step_sink(kn_ctx *ctx, kn_sink *out, const char *path, const kn_ste
     }
     *out = (kn_sink){s,        step_begin, step_work,  step_commit, step_discard,
                      step_end, step_close, step_bytes, step_save,   step_restore};
+    if (o.instances) out->save = NULL, out->restore = NULL;
     return KN_OK;
 }

@@ -18,6 +18,9 @@
 #include "io/text_buffer.h"
 
 enum {
+    KN_STEP_PRODUCT_CONTEXT = 3,
+    KN_STEP_DEFINITION_CONTEXT = 4,
+    KN_STEP_DEFINITION = 8,
     KN_STEP_GEOMETRY_CONTEXT = 15,
     KN_STEP_PLACEMENT = 19,
     KN_STEP_REPRESENTATION = 20,
@@ -52,6 +55,9 @@ typedef struct kn_step_item {
     uint32_t pcurve[4]; // of each edge, 0: none
     kn_brep_key pair[4][2];
     int npairs;
+    size_t points,
+        npoints; // of instances: its numbers among those that the thread noted, and by what its form is known
+    kn_brep_key form;
 } kn_step_item;
 
 // What the beginning of the file says.

@@ -60,6 +60,11 @@ typedef struct kn_step_options {
     const char *const *surface_names; // of the base's, in the place of "s0", "s1" .., nsurfaces of them, copied;
     int nsurfaces;                    // NULL or "": that
     const kn_step_host *host;         // borrowed until the sink is closed, of the same schema; NULL: none
+    // An assembly: cells whose control points are those of an earlier one, turned and shifted (within 1e-9 of the cell's
+    // size, all of them; weights within 2e-11), are instances of its part. Others, mirrored ones too, are parts of their
+    // own. For AP214 and AP242, and for tiles whose bodies are closed by the faces of one cell. A new cell is compared
+    // with 1024 others at most, of 64 MiB. Such a file cannot be gone on with.
+    bool instances;
     // Of the whole file; NULL: none. Such a file cannot be gone on with (kn_run_with_journal).
     const kn_filter *filter;
 } kn_step_options;
@@ -71,7 +76,7 @@ typedef struct kn_step_options {
 // left out. A colour for each part of the tile. Rational form only where weights differ. Where some faces are exact
 // and others not, the names of those that are not end with " ~"; the header says how far off they may be.
 // fails: also KN_EUNDEFINED (a control point that is not finite, a weight that is not positive), KN_ELIMIT (more than
-//        2^31 entities), KN_EDOMAIN (options; a host whose seeds contradict each other, or a shell of it that was
+//        2^31 entities), KN_EDOMAIN (options; instances of cells that do not close their bodies; a host whose seeds contradict each other, or a shell of it that was
 //        closed and is not with the patches: the message says how many edges have one face).
 // error: coordinates are the shortest decimals that read back as the same doubles; before that, one rounding for the
 //        unit unless it is 1, one for the projection of a rational point.
