@@ -14,7 +14,7 @@ typedef struct cli_plan {
     int nshown;
     kn_model collected[CLI_MAX_LAYERS]; // what other layers lie on
     kn_job_report report;               // of those that are written, in one
-    const cli_base *base;               // on whose surfaces all that is written lies; NULL: some lies on another layer
+    const cli_base *base; // on whose surfaces all that is written lies; NULL: some lies on another layer
 } cli_plan;
 
 // Plans every layer; composes those that others lie on. Exit code.
