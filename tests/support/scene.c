@@ -111,6 +111,21 @@ void scene_plate(kn_ctx *ctx, kn_tile *out)
     scene_add_patch(ctx, out, 1, 1, coef);
 }
 
+void scene_box(kn_ctx *ctx, kn_tile *out)
+{
+    double corner[24];
+    kn_spline box = {0};
+    for (int k = 0; k < 8; k++) {
+        corner[3 * k] = k & 4 ? 0.6 : 0.1;
+        corner[3 * k + 1] = k & 2 ? 0.9 : 0.2;
+        corner[3 * k + 2] = k & 1 ? 0.5 : 0.0;
+    }
+    scene_multilinear(ctx, &box, 3, corner);
+    assert_int_equal(kn_tile_init(ctx, out, "box", 1), KN_OK);
+    assert_int_equal(kn_tile_add(ctx, out, 0, &box), KN_OK);
+    kn_spline_clear(ctx, &box);
+}
+
 // Quarter k covers the square of the cell between the centre and a corner; r and t run along u and v, or the other
 // way round and backwards, so that shared edges are met in all combinations; r x t always points up.
 void scene_dome(kn_ctx *ctx, kn_tile *out)

@@ -22,6 +22,8 @@ void scene_multilinear(kn_ctx *ctx, kn_spline *out, int nvars, const double *cor
 void scene_add_patch(kn_ctx *ctx, kn_tile *tile, int m, int n, const double *coef);
 // A tilted bilinear plate over [0.1, 0.9]^2 of the cell, from w = 0.2 to w = 1: it composes cheaply.
 void scene_plate(kn_ctx *ctx, kn_tile *out);
+// A trilinear box over [0.1, 0.6] x [0.2, 0.9] of the cell, from w = 0 to w = 0.5: a closed body.
+void scene_box(kn_ctx *ctx, kn_tile *out);
 // Four biquadratic patches that cover the cell, run in different directions, and are 0 on its border.
 void scene_dome(kn_ctx *ctx, kn_tile *out);
 // One patch of degrees (2, 1): a sheet from u = -0.25 to u = 1.25 over v in [0.25, 0.75], bent in w.
