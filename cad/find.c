@@ -129,8 +129,10 @@ static kn_status by_place(find *f, part p)
     if (commas != 2) return bad_text(f, p);
     kn_scan scan = kn_scan_start(f->ctx, "faces", text, p.n);
     for (int c = 0; c < 3; c++) {
-        kn_status status = kn_scan_real(&scan, &x[c], "coordinate of near:");
-        if (status != KN_OK) return status;
+        kn_status status = kn_scan_real(&scan, &x[c], "coordinate");
+        if (status == KN_OK) continue;
+        if (status == KN_EPARSE) kn_ctx_clear_error(f->ctx); // it names no file
+        return status == KN_EPARSE ? bad_text(f, p) : status;
     }
     int face = 0;
     kn_status status = kn_cad_nearest(f->ctx, &face, f->cad, x);

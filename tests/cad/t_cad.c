@@ -339,7 +339,7 @@ static void faces_by_text(void **state)
     not_found(&s, "name:lid", "bottom, top, front, back, left, right grip");
     not_found(&s, "type:torus", "plane, bspline"), not_found(&s, "body:cube", "there is box");
     not_found(&s, "color:#123456", "#000000, #ff0000"), not_found(&s, "color:red", "expected");
-    not_found(&s, "near:1,2", "expected"), not_found(&s, "near:1,2,x", "coordinate");
+    not_found(&s, "near:1,2", "expected"), not_found(&s, "near:1,2,x", "expected");
     not_found(&s, "name:top&name:back", "none with all");
     kn_cad none = {0};
     int *faces = NULL, n = 0;
