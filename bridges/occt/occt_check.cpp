@@ -178,7 +178,7 @@ int count_once(const TopoDS_Shape &shape, TopAbs_ShapeEnum kind)
 void check_topology(kn_occt_report &report, const TopoDS_Shape &shape)
 {
     TopTools_IndexedDataMapOfShapeListOfShape faces_of;
-    GProp_GProps area;
+    GProp_GProps area, all;
     report.edges = count(shape, TopAbs_EDGE);
     report.vertices = count(shape, TopAbs_VERTEX);
     TopExp::MapShapesAndAncestors(shape, TopAbs_EDGE, TopAbs_FACE, faces_of);
@@ -192,7 +192,12 @@ void check_topology(kn_occt_report &report, const TopoDS_Shape &shape)
         GProp_GProps one;
         BRepGProp::VolumeProperties(e.Current(), one);
         report.volume += one.Mass();
+        all.Add(one);
         report.placed_solids++;
+    }
+    for (int c = 0; c < 3 && report.placed_solids > 0; c++) {
+        report.centre[c] = all.CentreOfMass().Coord(c + 1);
+        report.inertia[c] = all.MatrixOfInertia().Value(c + 1, c + 1);
     }
     BRepGProp::SurfaceProperties(shape, area);
     report.area = area.Mass();

@@ -26,6 +26,7 @@ typedef struct kn_occt_report {
     int closed_shells, placed_solids;  // placed: as often as the assembly has them
     bool valid;                        // BRepCheck finds nothing wrong with the whole
     double volume, area;               // of the solids, mm3; of all faces, mm2
+    double centre[3], inertia[3];      // of the placed solids: of mass, mm; about it, along x, y, z, mm5
     double lo[3], hi[3];               // box of the control points, mm
     int ncolours;                      // different ones
     double colour[KN_OCCT_COLOURS][3]; // linear RGB

@@ -3,6 +3,7 @@
 #include "tests/support/host.h"
 #include "tests/support/integral.h"
 #include "tests/support/patches.h"
+#include "tests/support/scene.h"
 #include "tests/support/surfaces.h"
 
 #include <knurl/step.h>
@@ -63,7 +64,7 @@ typedef struct scene {
 } scene;
 
 // A built-in tile over a square of the plane, through a file. limit: 0, or the degree of a kn_limit_sink.
-static void scene_make(scene *s, const char *tile, int cells, const kn_step_options *step, int limit)
+static void make_scene(scene *s, const char *tile, int cells, const kn_step_options *step, int limit)
 {
     *s = (scene){.memory = TEST_MEMORY_INIT};
     s->ctx = test_ctx(&s->memory, 0);
@@ -126,7 +127,7 @@ static void volumes_in_rows(void **state)
 {
     (void)state;
     scene s;
-    scene_make(&s, "cross", 2, NULL, 0);
+    make_scene(&s, "cross", 2, NULL, 0);
     expect_found(&s, 0);
     assert_int_equal(s.found.solids, 1);
     expect_volume(&s);
@@ -140,7 +141,7 @@ static void reliefs(void **state)
 {
     (void)state;
     scene s;
-    scene_make(&s, "bird", 1, NULL, 0);
+    make_scene(&s, "bird", 1, NULL, 0);
     expect_found(&s, 4);
     assert_int_equal(s.found.solids, 1);
     expect_volume(&s);
@@ -152,7 +153,7 @@ static void rings(void **state)
 {
     (void)state;
     scene s;
-    scene_make(&s, "chain", 1, NULL, 0);
+    make_scene(&s, "chain", 1, NULL, 0);
     expect_found(&s, 0);
     assert_int_equal(s.found.faces, 48);
     assert_true(s.found.closed_shells >= 1 && s.found.free_edges > 0);
@@ -165,7 +166,7 @@ static void sheet_with_tips(void **state)
 {
     (void)state;
     scene s;
-    scene_make(&s, "thorn", 2, NULL, 0);
+    make_scene(&s, "thorn", 2, NULL, 0);
     expect_found(&s, 16);
     assert_int_equal(s.found.shells, 1);
     assert_int_equal(s.found.closed_shells, 0);
@@ -177,8 +178,8 @@ static void limited(void **state)
 {
     (void)state;
     scene exact, cubic;
-    scene_make(&exact, "chain", 1, NULL, 0);
-    scene_make(&cubic, "chain", 1, NULL, 5);
+    make_scene(&exact, "chain", 1, NULL, 0);
+    make_scene(&cubic, "chain", 1, NULL, 5);
     expect_found(&cubic, 0);
     assert_true(cubic.found.max_degree <= 5 && exact.found.max_degree > 5);
     assert_int_equal(cubic.found.edges, exact.found.edges);
@@ -203,7 +204,7 @@ static void schemas(void **state)
     for (int i = 0; i < 3; i++) {
         scene s;
         char name[64];
-        scene_make(&s, "cross", 1,
+        make_scene(&s, "cross", 1,
                    &(kn_step_options){.schema = cases[i].schema, .surface_names = names, .nsurfaces = 1}, 0);
         expect_found(&s, 0);
         assert_int_equal(s.found.solids, 1);
@@ -213,6 +214,57 @@ static void schemas(void **state)
         assert_ptr_equal(strstr(name, "Deckel "), name);
         scene_clear(&s);
     }
+}
+
+// ---- instances ----
+
+// 24 boxes round a cylinder, one by one or as instances of two (a quarter of the cylinder has two cells): the same
+// solids in the same places.
+static void instances(void **state)
+{
+    (void)state;
+    test_memory memory = TEST_MEMORY_INIT;
+    kn_ctx *ctx = test_ctx(&memory, 1);
+    kn_spline base = {0};
+    kn_tile tile = {0};
+    kn_occt_report r[2];
+    size_t bytes[2];
+    sums ours = {0};
+    scene_cylinder(ctx, &base);
+    scene_box(ctx, &tile);
+    for (int i = 0; i < 2; i++) {
+        char path[TEST_PATH_BYTES];
+        kn_job *job = NULL;
+        kn_occt_model *model = NULL;
+        kn_sink sinks[2] = {{0}, {.user = &ours, .commit = sum_commit}};
+        test_tmp_path(path, "instances.step");
+        assert_int_equal(kn_job_create(ctx, &job, &base, 1, &tile, &(kn_job_options){.count = {8, 3}}), KN_OK);
+        assert_int_equal(kn_step_sink(ctx, &sinks[0], path, &(kn_step_options){.instances = i == 1}), KN_OK);
+        assert_int_equal(kn_job_run(ctx, job, sinks, i == 0 ? 2 : 1), KN_OK);
+        kn_sink_close(ctx, &sinks[0]);
+        kn_job_destroy(ctx, job);
+        free(test_read_file(path, &bytes[i]));
+        assert_int_equal(kn_occt_open_step(ctx, &model, path), KN_OK);
+        assert_int_equal(kn_occt_check(ctx, &r[i], model), KN_OK);
+        assert_true(r[i].valid);
+        assert_int_equal(r[i].free_edges, 0);
+        assert_int_equal(r[i].placed_solids, 24);
+        assert_int_equal(r[i].solids, i == 0 ? 24 : 2);
+        assert_int_equal(r[i].faces, i == 0 ? 24 * 6 : 2 * 6);
+        assert_int_equal(r[i].ncolours, 1);
+        assert_true(fabs(r[i].volume - ours.volume) <= 1e-6 * ours.volume);
+        kn_occt_close(ctx, model);
+        remove(path);
+    }
+    assert_true(3 * bytes[1] < bytes[0]);
+    // a cell that were elsewhere would change these; placements are good to 1e-9 of a cell, OCCT's integrals to 1e-6
+    for (int c = 0; c < 3; c++) {
+        assert_true(fabs(r[0].centre[c] - r[1].centre[c]) <= 1e-6);
+        assert_true(fabs(r[0].inertia[c] - r[1].inertia[c]) <= 1e-6 * r[0].inertia[c]);
+    }
+    kn_tile_clear(ctx, &tile);
+    kn_spline_clear(ctx, &base);
+    test_ctx_end(ctx, &memory);
 }
 
 // ---- in a body of another writer ----
@@ -309,7 +361,7 @@ static void meshed(void **state)
         print_message("no gmsh here\n");
         skip();
     }
-    scene_make(&s, "cross", 1, NULL, 0);
+    make_scene(&s, "cross", 1, NULL, 0);
     test_tmp_path(mesh, "body.msh"), test_tmp_path(log, "gmsh.log");
     snprintf(command, sizeof command, "gmsh -3 -format msh2 -v 3 -o '%s' '%s' >'%s' 2>&1", mesh, s.path, log);
     assert_int_equal(system(command), 0);
@@ -327,9 +379,9 @@ static void meshed(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(volumes_in_rows), cmocka_unit_test(rings),   cmocka_unit_test(reliefs),
-        cmocka_unit_test(sheet_with_tips), cmocka_unit_test(limited), cmocka_unit_test(schemas),
-        cmocka_unit_test(in_a_body),       cmocka_unit_test(meshed),
+        cmocka_unit_test(volumes_in_rows), cmocka_unit_test(rings),     cmocka_unit_test(reliefs),
+        cmocka_unit_test(sheet_with_tips), cmocka_unit_test(limited),   cmocka_unit_test(schemas),
+        cmocka_unit_test(instances),       cmocka_unit_test(in_a_body), cmocka_unit_test(meshed),
     };
     return cmocka_run_group_tests_name("bridges/occt_bodies", tests, NULL, NULL);
 }
