@@ -207,13 +207,13 @@ static const kn_occt_kind kinds[] = {KN_OCCT_DRILLED, KN_OCCT_KNOB};
 static void step_files(void **state)
 {
     (void)state;
-    made(".step", kinds, 2, 18);
+    made(".step", kinds, 2, 14);
 }
 
 static void iges_files(void **state)
 {
     (void)state;
-    made(".igs", kinds, 2, 18);
+    made(".igs", kinds, 2, 14);
 }
 
 static void brep_files(void **state)
