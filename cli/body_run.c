@@ -37,6 +37,16 @@ static bool has_step(const cli_apply *a)
     return step;
 }
 
+// IGES is for CAD as well, and there the body does not go out.
+static void warn_of_iges(cli_session *session, const cli_apply *a)
+{
+    for (int i = 0; i < a->recipe.noutputs; i++) {
+        const char *path = a->recipe.outputs[i];
+        if (cli_has_ending(path, "igs") || cli_has_ending(path, "iges"))
+            cli_warn(session, "%s: the texture alone: bodies (--body) go out in STEP", path);
+    }
+}
+
 static kn_status is_sheet(kn_ctx *ctx, bool *is, const kn_job *job)
 {
     kn_job_report r = kn_job_describe(job);
@@ -122,7 +132,9 @@ static kn_status make_plan(kn_ctx *ctx, cli_body_run *run, const cli_apply *a, c
 static kn_status ask(kn_ctx *ctx, cli_body_run *run, const cli_apply *a, const cli_base *base)
 {
     const cli_body_plan *plan = run->mode == CLI_BODY_REPLACE ? &run->plan : NULL;
-    const char *const arguments[] = {"knurl-cad", "host", base->path, "AP214", NULL};
+    static const char *const schemas[] = {
+        [KN_STEP_AP214] = "AP214", [KN_STEP_AP242] = "AP242", [KN_STEP_AP203] = "AP203"};
+    const char *const arguments[] = {"knurl-cad", "host", base->path, schemas[a->recipe.layer[0].step], NULL};
     // Edges in CAD files are up to some hundredths off their surfaces; limited patches are within their tolerance.
     double tolerance = 0.05 + 2.0 * cli_limits_of(&a->recipe.layer[0]).tolerance;
     char *request = NULL;
@@ -171,6 +183,7 @@ int cli_body_begin(cli_session *session, cli_body_run *run, const cli_apply *a, 
         cli_error("--body: it needs a base from a CAD file and a STEP file to write");
         return EXIT_USAGE;
     }
+    if (base->cad.nfaces > 0 && wanted != CLI_BODY_NONE) warn_of_iges(session, a);
     if (base->cad.nfaces == 0 || !has_step(a) || wanted == CLI_BODY_NONE) return EXIT_OK;
     run->face = kn_alloc(ctx, (size_t)base->nsurfaces, sizeof *run->face);
     for (int s = 0; run->face && s < base->nsurfaces; s++) run->face[s] = -1;
