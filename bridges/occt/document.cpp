@@ -265,9 +265,20 @@ void warn_of_faults(kn_ctx *ctx, const Handle(Interface_InterfaceModel) & model,
 
 enum format { UNKNOWN, STEP, IGES, BREP };
 
-// By what is in it: the first bytes, and for IGES the S in column 73. STEP must end as it should: what is cut
-// off would
-// be read as far as it goes.
+// The last section of IGES is one record, with a T in column 73 of its line; a file without lines ends with it.
+bool has_last_record(const char *tail, bool all)
+{
+    const char *line = all ? tail : std::strpbrk(tail, "\r\n");
+    if (!line) return std::strlen(tail) >= 80 && tail[std::strlen(tail) - 8] == 'T';
+    for (; *line; line += std::strcspn(line, "\r\n")) {
+        line += std::strspn(line, "\r\n");
+        if (std::strcspn(line, "\r\n") > 72 && line[72] == 'T') return true;
+    }
+    return false;
+}
+
+// By what is in it: the first bytes, and for IGES the S in column 73. STEP and IGES must end as they should: what is
+// cut off would be read as far as it goes.
 format look_at(kn_ctx *ctx, const char *path)
 {
     char head[512] = "", tail[512] = "";
@@ -290,7 +301,11 @@ format look_at(kn_ctx *ctx, const char *path)
                           path));
         return STEP;
     }
-    if (n >= 73 && head[72] == 'S' && !std::memchr(head, '\n', 72)) return IGES;
+    if (n >= 73 && head[72] == 'S' && !std::memchr(head, '\n', 72)) {
+        if (!has_last_record(tail, size <= 500))
+            check(kn_fail(ctx, KN_EPARSE, "%s: the IGES file is cut off: its last section (T) is missing", path));
+        return IGES;
+    }
     if (std::strstr(head, "CASCADE Topology") || std::strstr(head, "DBRep_DrawableShape")) return BREP;
     check(kn_fail(ctx, KN_EPARSE, "%s: neither STEP, IGES nor BREP by its first bytes", path));
     return UNKNOWN;

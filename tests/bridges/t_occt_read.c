@@ -350,6 +350,12 @@ static void bad_files(void **state)
     refused(
         "ISO-10303-21;\nHEADER;\nENDSEC;\nDATA;\n#1=CARTESIAN_POINT('',(0.,0.,0.));\nENDSEC;\nEND-ISO-10303-21;\n",
         "OCCT");
+    // One line of 80 columns, the start of IGES; with a last section OCCT is asked.
+    char iges[256];
+    snprintf(iges, sizeof iges, "%-72sS%7d\n", "", 1);
+    refused(iges, "cut off");
+    snprintf(iges, sizeof iges, "%-72sS%7d\n%-72sT%7d\n", "", 1, "S      1", 1);
+    refused(iges, "OCCT");
     test_memory memory = TEST_MEMORY_INIT;
     kn_ctx *ctx = test_ctx(&memory, 1);
     kn_cad cad = {.nfaces = 0};
