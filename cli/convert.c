@@ -187,7 +187,8 @@ static void print_json(const request *r, const input *in, const outcome *done)
 static void print_text(const request *r, const input *in, const outcome *done)
 {
     if (in->cad.nfaces > 0)
-        printf("%s: %d faces, %d bodies\n", r->in, in->cad.nfaces, in->cad.nbodies);
+        printf("%s: %d face%s, %d bod%s\n", r->in, in->cad.nfaces, in->cad.nfaces == 1 ? "" : "s", in->cad.nbodies,
+               in->cad.nbodies == 1 ? "y" : "ies");
     else
         printf("%s: %d splines, %zu triangles\n", r->in, in->model.nsplines, in->model.mesh.ntriangles);
     for (int i = 0; i < r->nout; i++) {
