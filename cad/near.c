@@ -134,7 +134,7 @@ kn_status kn_cad_nearest(kn_ctx *ctx, int *face, const kn_cad *cad, const double
     kn_status status = KN_OK;
     for (int i = 0; status == KN_OK && i < cad->nfaces; i++) {
         look k = {.ctx = ctx, .face = &cad->faces[i], .point = point, .nearest = INFINITY};
-        double least;
+        double least = 0.0;
         bool done = false;
         status = kn_progress(ctx, "near", (double)i / cad->nfaces);
         if (status == KN_OK) status = box_distance(ctx, &least, &k.face->surface, point);
