@@ -145,7 +145,10 @@ static kn_status look_at_seam(kn_ctx *ctx, const merge *m, kn_merge_item *item, 
                b = hypot(hypot(d[k][1][0], d[k][1][1]), d[k][1][2]);
         if (a > most) most = a, ratio = b / a;
     }
-    if (status == KN_EUNDEFINED) status = KN_OK, ratio = 0.0;
+    if (status == KN_EUNDEFINED) { // no point there: nothing to join, and no failure of the run
+        kn_ctx_clear_error(ctx);
+        status = KN_OK, ratio = 0.0;
+    }
     // A control point beside the seam moves by the difference over the degree, less than half of it on each side.
     int degree = item->surface.degree[own % 2 ? 0 : 1];
     bool smooth = ratio > 1e-3 && ratio < 1e3 && status == KN_OK;
