@@ -7,6 +7,7 @@
 #include <knurl/knurl.h>
 
 #if KN_WITH_OCCT
+#include "bridges/occt/cad_read.h"
 #include "bridges/occt/occt_check.h"
 #include "bridges/occt/occt_knob.h"
 
@@ -119,7 +120,7 @@ static void knurled_knob(void **state)
     char *said, g2[TEST_PATH_BYTES];
     test_tmp_path(g2, "knob.g2");
     int code = apply(
-        &said, "'%s' --faces name:grip --tile knurl --count 24,4 --height 0.8 --taper 2.4 --json -o '%s' -o '%s'",
+        &said, "'%s' --faces name:grip --tile knurl --count 12,2 --height 0.8 --taper 2.4 --json -o '%s' -o '%s'",
         s.knob, s.out, g2);
     if (code != 0) fail_msg("%s", said);
     expect_body(said, "replace", 1, KNOB_FACES - 1, true);
@@ -130,7 +131,7 @@ static void knurled_knob(void **state)
     assert_int_equal(r.shells, 1);
     assert_int_equal(r.free_edges, 0);
     assert_true(r.valid);
-    assert_int_equal(r.faces, KNOB_FACES - 1 + 24 * 4 * 13);
+    assert_int_equal(r.faces, KNOB_FACES - 1 + 12 * 2 * 13);
     assert_int_equal(r.valid_faces, r.faces);
     double grip = 12.0 * (2.0 * acos(-1.0) * 12.0 * 9.5) / 3.0;
     double expected = s.base.volume - grip + volume_of(s.ctx, g2);
@@ -146,7 +147,7 @@ static void knurled_knob(void **state)
     expect_text(text, "PRODUCT('knob'");
     expect_text(text, "PRE_DEFINED_COLOUR('red')"); // of the two fillets
     assert_null(strstr(text, "'grip'"));
-    expect_text(text, "ADVANCED_FACE('grip c23,3 ");
+    expect_text(text, "ADVANCED_FACE('grip c11,1 ");
     assert_null(strstr(text, "('s0 c"));
     free(text);
     remove(g2);
@@ -160,11 +161,10 @@ static void limited_knob(void **state)
     scene s;
     make(&s);
     char *said;
-    int code = apply(
-        &said,
-        "'%s' --faces name:grip --tile straight --count 16,3 --height 0.6 --taper 1.5 --max-degree cubic "
-        "--body replace --json -o '%s'",
-        s.knob, s.out);
+    int code = apply(&said,
+                     "'%s' --faces name:grip --tile straight --count 8,2 --height 0.6 --taper 1.5 --max-degree cubic "
+                     "--body replace --json -o '%s'",
+                     s.knob, s.out);
     if (code != 0) fail_msg("%s", said);
     expect_body(said, "replace", 1, KNOB_FACES - 1, true);
     free(said);
@@ -173,7 +173,7 @@ static void limited_knob(void **state)
     assert_int_equal(r.closed_shells, 1);
     assert_int_equal(r.free_edges, 0);
     assert_int_equal(r.max_degree, 3);
-    assert_int_equal(r.faces, KNOB_FACES - 1 + 16 * 3 * 3);
+    assert_int_equal(r.faces, KNOB_FACES - 1 + 8 * 2 * 3);
     assert_int_equal(r.valid_faces, r.faces);
     assert_true(r.valid);
     assert_true(r.volume > s.base.volume);
@@ -187,27 +187,27 @@ static void covered_knob(void **state)
     scene s;
     make(&s);
     char *said;
-    int code = apply(&said, "'%s' --faces name:grip --tile straight --count 16,3 --body cover --json -o '%s'", s.knob,
+    int code = apply(&said, "'%s' --faces name:grip --tile straight --count 8,2 --body cover --json -o '%s'", s.knob,
                      s.out);
     if (code != 0) fail_msg("%s", said);
     expect_body(said, "cover", 0, KNOB_FACES, true);
     free(said);
     kn_occt_report r = check_file(s.ctx, s.out);
     assert_int_equal(r.solids, 1);
-    assert_int_equal(r.faces, KNOB_FACES + 16 * 3 * 3);
+    assert_int_equal(r.faces, KNOB_FACES + 8 * 2 * 3);
     assert_true(fabs(r.volume - s.base.volume) <= 1e-9 * r.volume);
     char *text = test_read_file(s.out, NULL);
     assert_int_equal(count(text, "=PRODUCT("), 2);
     expect_text(text, "'grip'");
     free(text);
 
-    code = apply(&said, "'%s' --faces name:grip --tile straight --count 16,3 --body none --json -o '%s'", s.knob,
+    code = apply(&said, "'%s' --faces name:grip --tile straight --count 8,2 --body none --json -o '%s'", s.knob,
                  s.out);
     if (code != 0) fail_msg("%s", said);
     expect_text(said, "\"body\": null");
     free(said);
     r = check_file(s.ctx, s.out);
-    assert_int_equal(r.faces, 16 * 3 * 3);
+    assert_int_equal(r.faces, 8 * 2 * 3);
     assert_int_equal(r.solids, 0);
     clear(&s);
 }
@@ -257,30 +257,78 @@ static bool shared(char path[TEST_PATH_BYTES], const char *name)
     return false;
 }
 
-// The rod of an assembly: two half cylinders, splines that meet along two edges. All 18 instances of 5 parts are there.
+// The part of two faces of a file: its cylinders are none but for some digits.
+static double faces_of(kn_ctx *ctx, const char *path, int a, int b)
+{
+    kn_cad cad = {0};
+    double volume = 0.0, area = 0.0;
+    assert_int_equal(kn_occt_read(ctx, &cad, path), KN_OK);
+    assert_true(cad.nfaces > a && cad.nfaces > b);
+    test_add_integrals(ctx, &volume, &area, &(kn_patch){.spline = &cad.faces[a].surface});
+    test_add_integrals(ctx, &volume, &area, &(kn_patch){.spline = &cad.faces[b].surface});
+    kn_cad_clear(ctx, &cad);
+    return volume;
+}
+
+// The rod of an assembly: two half cylinders, splines that meet along two edges. All 18 instances of 5 parts are there,
+// and the rod, which stands there once, has the volume of the texture in place of its two faces'.
 static void rod(void **state)
 {
     (void)state;
-    char path[TEST_PATH_BYTES], *said;
+    char path[TEST_PATH_BYTES], *said, g2[TEST_PATH_BYTES];
     if (!shared(path, "as1-oc-214.stp")) skip();
     scene s;
     make(&s);
+    test_tmp_path(g2, "rod.g2");
     kn_occt_report before = check_file(s.ctx, path);
-    int code = apply(
-        &said,
-        "'%s' --faces 'body:rod&type:bspline' --tile straight --size 4,20 --height 0.5 --taper 15 --json -o '%s'",
-        path, s.out);
+    int code = apply(&said,
+                     "'%s' --faces 'body:rod&type:bspline' --tile straight --count 2,2 --height 0.5 --taper 15 "
+                     "--body replace --json -o '%s' -o '%s'",
+                     path, s.out, g2);
     if (code != 0) fail_msg("%s", said);
     expect_body(said, "replace", 2, 51, true);
     free(said);
     kn_occt_report r = check_file(s.ctx, s.out);
     assert_int_equal(r.placed_solids, before.placed_solids);
+    assert_int_equal(r.placed_solids, 18);
     assert_int_equal(r.solids, before.solids);
     assert_int_equal(r.closed_shells, before.closed_shells);
     assert_int_equal(r.free_edges, 0);
     assert_int_equal(r.ncolours, before.ncolours + 1);
     assert_true(r.valid);
+    assert_int_equal(r.faces, before.faces - 2 + 2 * 2 * 2 * 3);
+    double expected = before.volume - faces_of(s.ctx, path, 9, 10) + volume_of(s.ctx, g2);
+    assert_true(fabs(r.volume - expected) <= 1e-6 * expected);
     assert_true(r.volume > before.volume);
+    remove(g2);
+    clear(&s);
+}
+
+// The same protocol as asked for, in all of the file.
+static void protocols(void **state)
+{
+    (void)state;
+    static const char *const schemas[][2] = {{"ap203", "CONFIG_CONTROL_DESIGN"},
+                                             {"ap242", "AP242_MANAGED_MODEL_BASED_3D_ENGINEERING"}};
+    scene s;
+    make(&s);
+    for (size_t i = 0; i < 2; i++) {
+        char *said, *text;
+        int code = apply(
+            &said, "'%s' --faces name:grip --tile straight --count 4,1 --taper 3 --step %s --body replace -o '%s'",
+            s.knob, schemas[i][0], s.out);
+        if (code != 0) fail_msg("%s", said);
+        free(said);
+        kn_occt_report r = check_file(s.ctx, s.out);
+        assert_true(r.valid);
+        assert_int_equal(r.closed_shells, 1);
+        assert_int_equal(r.faces, KNOB_FACES - 1 + 4 * 3);
+        text = test_read_file(s.out, NULL);
+        assert_non_null(text);
+        expect_text(text, schemas[i][1]);
+        assert_null(strstr(text, "automotive"));
+        free(text);
+    }
     clear(&s);
 }
 
@@ -292,16 +340,16 @@ static void sheet(void **state)
     if (!shared(path, "splinecage.stp")) skip();
     scene s;
     make(&s);
-    int code = apply(&said, "'%s' --faces 0 --tile knurl --count 3,3 --json -o '%s'", path, s.out);
+    int code = apply(&said, "'%s' --faces 0 --tile knurl --count 2,2 --json -o '%s'", path, s.out);
     if (code != 0) fail_msg("%s", said);
     expect_body(said, "replace", 1, 3, false);
     free(said);
     kn_occt_report r = check_file(s.ctx, s.out);
     assert_int_equal(r.solids, 0);
-    assert_int_equal(r.faces, 3 + 3 * 3 * 13);
+    assert_int_equal(r.faces, 3 + 2 * 2 * 13);
     assert_int_equal(r.valid_faces, r.faces);
     char *text = test_read_file(s.out, NULL);
-    expect_text(text, "ADVANCED_FACE('face 0 c2,2 "); // it has no name
+    expect_text(text, "ADVANCED_FACE('face 0 c1,1 "); // it has no name
     free(text);
     clear(&s);
 }
@@ -310,7 +358,8 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(knurled_knob),   cmocka_unit_test(limited_knob), cmocka_unit_test(covered_knob),
-        cmocka_unit_test(cannot_replace), cmocka_unit_test(rod),          cmocka_unit_test(sheet),
+        cmocka_unit_test(cannot_replace), cmocka_unit_test(rod),          cmocka_unit_test(protocols),
+        cmocka_unit_test(sheet),
     };
     return cmocka_run_group_tests_name("bridges/body", tests, NULL, NULL);
 }
