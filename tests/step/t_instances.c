@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // STEP files whose cells are instances of parts: which are found to be equal, and what cannot be a part.
+#include "tests/support/patches.h"
 #include "tests/support/scene.h"
 #include "tests/support/support.h"
 
@@ -153,19 +154,37 @@ static void refusals(void **state)
     scene_clear(&s);
 }
 
+// Two cells, composed before memory is short.
+typedef struct cells {
+    scene s;
+    kn_job *job;
+    scene_result r;
+} cells;
+
 static kn_status starved(kn_ctx *ctx, void *user)
 {
-    scene *s = user;
-    return write_file(ctx, s->path, &s->base, &s->tile, (int[2]){2, 1}, true);
+    cells *c = user;
+    kn_sink sink;
+    kn_job_report report = kn_job_describe(c->job);
+    kn_status status = kn_step_sink(ctx, &sink, c->s.path, &(kn_step_options){.instances = true});
+    if (status != KN_OK) return status;
+    status = test_feed(ctx, &sink, &c->s.tile, &report, c->r.patches, c->r.count, 1);
+    kn_sink_close(ctx, &sink);
+    return status;
 }
 
 static void without_memory(void **state)
 {
     (void)state;
-    scene s;
-    scene_make_of(&s, flat, scene_box);
-    test_allocation_failures(starved, &s);
-    scene_clear(&s);
+    cells c = {0};
+    scene_make_of(&c.s, flat, scene_box);
+    kn_job_options options = {.count = {2, 1}};
+    assert_int_equal(kn_job_create(c.s.ctx, &c.job, &c.s.base, 1, &c.s.tile, &options), KN_OK);
+    scene_run(c.s.ctx, c.job, &c.r);
+    test_allocation_failures(starved, &c);
+    scene_result_clear(&c.r);
+    kn_job_destroy(c.s.ctx, c.job);
+    scene_clear(&c.s);
 }
 
 int main(void)
