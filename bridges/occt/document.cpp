@@ -268,8 +268,9 @@ enum format { UNKNOWN, STEP, IGES, BREP };
 // The last section of IGES is one record, with a T in column 73 of its line; a file without lines ends with it.
 bool has_last_record(const char *tail, bool all)
 {
+    const size_t n = std::strlen(tail);
     const char *line = all ? tail : std::strpbrk(tail, "\r\n");
-    if (!line) return std::strlen(tail) >= 80 && tail[std::strlen(tail) - 8] == 'T';
+    if (!line) return n >= 80 && tail[n - 8] == 'T';
     for (; *line; line += std::strcspn(line, "\r\n")) {
         line += std::strspn(line, "\r\n");
         if (std::strcspn(line, "\r\n") > 72 && line[72] == 'T') return true;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// STEP, IGES and BREP files with something wrong in them, read in a process each, forked from one that has OCCT ready:
-// no answer is a crash of knurl's own code, or a model that is none, and nothing takes longer or more than it may. OCCT
-// itself does crash on some: that ends the process, which is why knurl has one for it.
+// STEP, IGES and BREP files with something wrong in them, read in a process each, forked from one that has OCCT
+// ready: no answer is a crash of knurl's own code, or a model that is none, and nothing takes longer or more than it
+// may. OCCT itself does crash on some: that ends the process, which is why knurl has one for it.
 //
 //     KN_TEST_SCALE=100 KN_TEST_SEED=7 t_occt_mutated
 #ifndef _GNU_SOURCE
