@@ -160,10 +160,11 @@ static kn_status look_between(kn_ctx *ctx, cli_body_plan *plan, const textured *
         status = add_use(ctx, plan, edge, a);
         return status == KN_OK ? add_use(ctx, plan, edge, b) : status;
     }
-    snprintf(plan->why, sizeof plan->why,
-             "the textures of faces %d and %d neither go on over the edge between them nor come down to it: --taper "
-             "makes them, and equal cells on both",
-             t->face[a->surface], t->face[b->surface]);
+    snprintf(
+        plan->why, sizeof plan->why,
+        "the textures of faces %d and %d neither go on over the edge between them bit for bit nor come down to it: "
+        "narrower cells (a larger --count), equal on both, make them go on, --taper makes them come down",
+        t->face[a->surface], t->face[b->surface]);
     return KN_OK;
 }
 
@@ -201,7 +202,9 @@ kn_status cli_body_plan_add(kn_ctx *ctx, cli_body_plan *out, const kn_cad *cad, 
         if (face[s] < 0) continue;
         out->replaced[out->nreplaced++] = face[s];
         if (!cad->faces[face[s]].whole)
-            snprintf(out->why, sizeof out->why, "face %d is trimmed: its edges are no parameter lines of it",
+            snprintf(out->why, sizeof out->why,
+                     "face %d is trimmed: its edges, of holes too, are no parameter lines of it, where a texture "
+                     "could end",
                      face[s]);
     }
     if (border->trimmed)
