@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // STEP, IGES and BREP files: knurl-cad reads them, a program of its own, so that no broken file can crash or hang
-// this one, and what it makes of them comes through a pipe. Compressed ones are unpacked into a temporary file before.
+// this one, and what it makes of them comes through a pipe. Compressed ones are unpacked into a temporary file first.
 #include "cli/cli.h"
 #include "kernel/context.h"
 
