@@ -145,7 +145,8 @@ typedef enum cli_place {
     CLI_OF_RECIPE, // a key of the recipe
     CLI_OF_RUN,    // an option alone
 } cli_place;
-// Options that belong together: cli/texture.c, placement.c, selection.c, view.c, variation.c, color.c, exactness.c, running.c.
+// Options that belong together: cli/texture.c, placement.c, selection.c, view.c, variation.c, color.c, exactness.c,
+// running.c.
 typedef struct cli_theme {
     const cli_option *options;
     int noptions;

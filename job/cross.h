@@ -63,8 +63,8 @@ kn_status kn_cross_trim(kn_ctx *ctx, bool *crossed, kn_crossing *x);
 // Cuts *rest at a line, to within delta of it: `below` gets what lies before it, *rest keeps the other part.
 kn_status kn_cross_cut(kn_ctx *ctx, kn_trim *below, kn_trim *rest, kn_trim_cut_report *report, kn_crossing *x,
                        int var, double line, double delta);
-// The same of a region along any line[0] u + line[1] v + line[2] = 0; x->off is left as it is. KN_EUNDECIDED: it cannot be
-// done to within delta, or the cut touches the boundary.
+// The same of a region along any line[0] u + line[1] v + line[2] = 0; x->off is left as it is. KN_EUNDECIDED:
+// it cannot be done to within delta, or the cut touches the boundary.
 kn_status kn_cross_cut_by(kn_ctx *ctx, kn_trim *below, kn_trim *above, kn_trim_cut_report *report,
                           const kn_crossing *x, const kn_trim *region, const double line[3], double delta);
 // ---- cross_fit.c ----

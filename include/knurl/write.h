@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Streaming writers of exact patches: GoTools, IRIT, OBJ surfaces, VTK, MFEM, POV-Ray. (STL, OBJ triangles: io.h; STEP: step.h; IGES: iges.h.)
+// Streaming writers of exact patches: GoTools, IRIT, OBJ surfaces, VTK, MFEM, POV-Ray.
+// STL, OBJ triangles: io.h; STEP: step.h; IGES: iges.h.
 #ifndef KNURL_WRITE_H
 #define KNURL_WRITE_H
 
