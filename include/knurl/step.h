@@ -76,8 +76,9 @@ typedef struct kn_step_options {
 // left out. A colour for each part of the tile. Rational form only where weights differ. Where some faces are exact
 // and others not, the names of those that are not end with " ~"; the header says how far off they may be.
 // fails: also KN_EUNDEFINED (a control point that is not finite, a weight that is not positive), KN_ELIMIT (more than
-//        2^31 entities), KN_EDOMAIN (options; instances of cells that do not close their bodies; a host whose seeds contradict each other, or a shell of it that was
-//        closed and is not with the patches: the message says how many edges have one face).
+//        2^31 entities), KN_EDOMAIN (options; instances of cells that do not close their bodies; a host whose seeds
+//        contradict each other, or a shell of it that was closed and is not with the patches: the message says how
+//        many edges have one face).
 // error: coordinates are the shortest decimals that read back as the same doubles; before that, one rounding for the
 //        unit unless it is 1, one for the projection of a rational point.
 KN_API KN_CHECKED kn_status kn_step_sink(kn_ctx *ctx, kn_sink *out, const char *path, const kn_step_options *options);
