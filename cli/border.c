@@ -98,6 +98,16 @@ static kn_status find_key(kn_ctx *ctx, kn_brep_key *key, const kn_spline *curve)
     return status;
 }
 
+// What two patches share goes in twice, and is gone. An edge that is a point has no other side.
+static void count_edge(cli_border *b, const kn_patch_side *side)
+{
+    if (side->collapsed) return;
+    b->odd.a ^= side->edge.key.a;
+    b->odd.b ^= side->edge.key.b;
+}
+
+static const int side_of[4] = {3, 1, 0, 2}; // edge 2 var + end as patch_net.h counts it
+
 static kn_status add(kn_ctx *ctx, cli_border *b, const kn_patch *patch, int edge, const cli_border_edge *e)
 {
     if (b->count == b->room) {
@@ -109,8 +119,7 @@ static kn_status add(kn_ctx *ctx, cli_border *b, const kn_patch *patch, int edge
     cli_border_edge *out = &b->edges[b->count];
     *out = *e;
     out->curve = (kn_spline){0};
-    static const int side[4] = {3, 1, 0, 2}; // as patch_net.h counts them
-    kn_status status = kn_patch_side_spline(ctx, &out->curve, patch, side[edge]);
+    kn_status status = kn_patch_side_spline(ctx, &out->curve, patch, side_of[edge]);
     if (status != KN_OK) return status;
     b->count++;
     return find_key(ctx, &out->key, &out->curve);
@@ -129,8 +138,8 @@ static bool is_constant(const kn_bezier *d, int edge, int c, double *value, doub
     return true;
 }
 
-static kn_status look_at_edge(kn_ctx *ctx, cli_border *b, const kn_patch *patch, const kn_bezier *d,
-                              const kn_patch_place *place, int edge)
+static kn_status look_at_edge(kn_ctx *ctx, cli_border *b, const kn_patch *patch, const kn_patch_net *net,
+                              const kn_bezier *d, const kn_patch_place *place, int edge)
 {
     const cli_border_part *p = &b->parts[place->surface];
     for (int v = 0; v < 2; v++) {
@@ -153,6 +162,7 @@ static kn_status look_at_edge(kn_ctx *ctx, cli_border *b, const kn_patch *patch,
                              .flat = flat,
                              .along = begin < finish,
                              .id = patch->id};
+        count_edge(b, &net->side[side_of[edge]]); // what becomes of it is for the plan to find
         kn_status status = add(ctx, b, patch, edge, &e);
         if (status != KN_OK) return status;
     }
@@ -161,15 +171,21 @@ static kn_status look_at_edge(kn_ctx *ctx, cli_border *b, const kn_patch *patch,
 
 static kn_status look_at(kn_ctx *ctx, cli_border *b, const kn_patch *patch)
 {
-    if (!may_touch(b, &patch->id)) return KN_OK;
+    bool touches = may_touch(b, &patch->id);
     if (kn_patch_nvars(patch) != 2 || patch->trim) {
-        b->trimmed = true;
+        b->trimmed = b->trimmed || touches;
         return KN_OK;
     }
     kn_bezier d = {0};
     kn_patch_place place;
-    kn_status status = kn_job_source(ctx, &d, &place, b->job, &patch->id);
-    for (int edge = 0; status == KN_OK && edge < 4; edge++) status = look_at_edge(ctx, b, patch, &d, &place, edge);
+    kn_patch_net net;
+    kn_mark mark = kn_scratch_mark(ctx);
+    kn_status status = kn_patch_net_load(ctx, &net, patch, 1.0, "texture");
+    for (int e = 0; status == KN_OK && e < 4; e++) count_edge(b, &net.side[e]);
+    if (status == KN_OK && touches) status = kn_job_source(ctx, &d, &place, b->job, &patch->id);
+    for (int edge = 0; status == KN_OK && touches && edge < 4; edge++)
+        status = look_at_edge(ctx, b, patch, &net, &d, &place, edge);
+    kn_scratch_release(ctx, mark);
     kn_bezier_clear(ctx, &d);
     return status;
 }
@@ -207,6 +223,7 @@ kn_status cli_border_move(kn_ctx *ctx, cli_border *to, cli_border *from)
     for (size_t i = 0; i < from->count; i++) more[to->count + i] = from->edges[i];
     to->edges = more, to->count += from->count, to->room = to->count + 1;
     to->trimmed = to->trimmed || from->trimmed;
+    to->apart = to->apart || from->odd.a != 0 || from->odd.b != 0;
     from->count = 0;
     return KN_OK;
 }

@@ -23,6 +23,8 @@ typedef struct cli_border {
     cli_border_edge *edges; // sorted by surface, side and from once cli_border_sort was called
     size_t count, room;
     bool trimmed;                  // a patch near an end is trimmed, or no surface: it is not among them
+    bool apart;                    // away from the ends there are edges that patches do not share bit for bit
+    kn_brep_key odd;               // of those edges: exclusive or of the keys, in which pairs cancel
     struct cli_border_part *parts; // of the job
     int reach;                     // of the tile: how many cells beyond its own
 } cli_border;
