@@ -181,8 +181,15 @@ static kn_status compare_spans(kn_ctx *ctx, fit *f, double *least, double enough
 // not looked at more closely, and nothing more where one span is above `most`.
 static kn_status certify(kn_ctx *ctx, fit *f, double enough, double most)
 {
+    enum { MOST = 1 << 25 }; // numbers that are held at once
     double *mine = NULL, *theirs = NULL, least = 0.8 * enough;
-    size_t spans = 1;
+    size_t spans = 1, numbers = comps(f);
+    for (int v = 0; v < f->a->nvars; v++) {
+        size_t more = from_apart(&f->axis[v]);
+        if (numbers > MOST / more)
+            return kn_fail(ctx, KN_ELIMIT, "limits: a piece takes more than %d coefficients on its spans", MOST);
+        numbers *= more;
+    }
     kn_mark mark = kn_scratch_mark(ctx);
     kn_status status = along_axes(ctx, &mine, f->coef, f, kn_limit_count, kn_limit_apart, is_one_span, spread);
     if (status == KN_OK)

@@ -60,6 +60,8 @@ static kn_status gzip_put(kn_ctx *ctx, void *state, const void *data, size_t byt
             answer = deflate(&g->z, flush);
             status = write(ctx, to, g->out, PART - g->z.avail_out);
         } while (status == KN_OK && answer == Z_OK && (g->z.avail_out == 0 || g->z.avail_in > 0));
+        if (status == KN_OK && answer != Z_OK && answer != Z_STREAM_END && answer != Z_BUF_ERROR)
+            status = kn_fail(ctx, KN_EUNDEFINED, "gzip: zlib gave up: %s", g->z.msg ? g->z.msg : zError(answer));
         at += part, bytes -= part;
     } while (status == KN_OK && bytes > 0);
     return status;

@@ -138,7 +138,8 @@ KN_API void kn_cad_joined_clear(kn_ctx *ctx, kn_cad_joined *joined); // leaves i
 //         direction), "not wanted".
 // fails:  KN_EDOMAIN, KN_ELIMIT (degrees, knots), KN_ENOMEM; out unchanged.
 // error:  *moved: control points of a side that moved by d move the surface by d at most; weights that differ by a
-//         part e, by 4 e times the size of the surface.
+//         part e, by 4 e times the size of the surface. Not counted: knots that differ by at most 1e-8 of the domain
+//         become one, which moves the surface by up to that times its derivative.
 KN_API KN_CHECKED kn_status kn_cad_join(kn_ctx *ctx, kn_cad_joined *out, const kn_cad *cad, const int *faces, int n,
                                         const kn_cad_join_options *options);
 

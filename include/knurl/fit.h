@@ -175,9 +175,9 @@ typedef struct kn_fit_limited {
 //         which may round; see quantum). Empty where a is exact or no surface. The first derivative across an edge
 //         depends on a's derivative across it alone, and on the number of spans: pieces that join C1 and have the
 //         same number along the edge still do. *report: NULL is fine.
-// fails:  KN_EDOMAIN limits; KN_ELIMIT max_level; KN_EUNDEFINED a control point is not finite; KN_EUNDECIDED more
-//         than 2^max_level spans would be needed, or a weight of the fit is not positive; KN_ENOMEM; outputs
-//         unchanged.
+// fails:  KN_EDOMAIN limits; KN_ELIMIT max_level, or more than 2^25 coefficients of a on all spans; KN_EUNDEFINED a
+//         control point is not finite; KN_EUNDECIDED more than 2^max_level spans would be needed, or a weight of the
+//         fit is not positive; KN_ENOMEM; outputs unchanged.
 // error:  *report's bound is at most 1.25 times the largest distance where halving can show it, from the
 //         coefficients of the difference.
 // cost:   for each number of spans that is tried a transform of the control points along each variable, and for each
