@@ -41,7 +41,7 @@ static const char apply[] =
     "BASE is a .bpt, .g2 or .itd file (all its surfaces and volumes are textured), a CAD file (.step .stp .igs "
     ".iges\n"
     ".brep: --faces chooses) or a recipe in JSON, which may have several layers.\n"
-    "OUT's ending picks the writer: .step .stp .stpz .igs .iges .g2 .itd .vtu .mesh .pov .stl .obj .glb .gltf\n"
+    "OUT's ending picks the writer: .step .stp .stpz .igs .iges .g2 .itd .3dm .vtu .mesh .pov .stl .obj .glb .gltf\n"
     "\n"
     "what and where:\n"
     "  -t, --tile TILE         a built-in name ('knurl tiles'), a description (.json), splines (.g2 .itd .bpt)\n"
