@@ -355,12 +355,58 @@ static void sheet(void **state)
     clear(&s);
 }
 
+// The recipes of examples/cad for files that are not there, beside a copy of the file; fewer cells.
+static void recipes(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *name, *file, *cells, *mode;
+        int replaced, kept;
+        bool closed;
+    } all[] = {{"rod", "as1-oc-214.stp", "--count 4,3 --taper 40", "replace", 2, 51, true},
+               {"cage", "splinecage.stp", "--count 2,2", "replace", 1, 3, false},
+               {"surf114", "surf114.igs", "", "cover", 0, 4, false}};
+    scene s;
+    size_t ran = 0;
+    make(&s);
+    for (size_t i = 0; i < sizeof all / sizeof *all; i++) {
+        char path[TEST_PATH_BYTES], from[TEST_PATH_BYTES], recipe[TEST_PATH_BYTES], copy[TEST_PATH_BYTES], *said;
+        if (!shared(path, all[i].file)) continue;
+        size_t bytes;
+        char *whole = test_read_file(path, &bytes), *text;
+        assert_non_null(whole);
+        snprintf(from, sizeof from, "examples/cad/%s.json", all[i].name);
+        test_tmp_path(recipe, "recipe.json");
+        test_tmp_path(copy, all[i].file);
+        text = test_read_file(from, NULL);
+        assert_non_null(text);
+        char *base = strstr(text, all[i].file); // what lies beside the recipe has a name of this run
+        assert_non_null(base);
+        FILE *file = fopen(recipe, "w");
+        assert_non_null(file);
+        fprintf(file, "%.*s%s%s", (int)(base - text), text, strrchr(copy, '/') + 1, base + strlen(all[i].file));
+        assert_int_equal(fclose(file), 0);
+        file = fopen(copy, "w");
+        assert_non_null(file);
+        assert_int_equal(fwrite(whole, 1, bytes, file), bytes);
+        assert_int_equal(fclose(file), 0);
+        if (apply(&said, "'%s' %s --json -o '%s'", recipe, all[i].cells, s.out) != 0) fail_msg("%s", said);
+        expect_body(said, all[i].mode, all[i].replaced, all[i].kept, all[i].closed);
+        if (i == 1) assert_true(check_file(s.ctx, s.out).valid); // OCCT takes long for the others
+        free(said), free(text), free(whole);
+        remove(recipe), remove(copy);
+        ran++;
+    }
+    clear(&s);
+    if (ran == 0) skip();
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(knurled_knob),   cmocka_unit_test(limited_knob), cmocka_unit_test(covered_knob),
         cmocka_unit_test(cannot_replace), cmocka_unit_test(rod),          cmocka_unit_test(protocols),
-        cmocka_unit_test(sheet),
+        cmocka_unit_test(sheet),          cmocka_unit_test(recipes),
     };
     return cmocka_run_group_tests_name("bridges/body", tests, NULL, NULL);
 }
