@@ -149,7 +149,8 @@ static void edges_agree_exactly(void **state)
     kn_ctx *ctx = test_ctx(&memory, 1);
     test_rng rng = test_random(2);
     int differing = 0;
-    for (int run = 0; run < test_scale(8); run++) {
+    const int runs = test_scale(8) > 8 ? test_scale(8) : 8; // in fewer no two sides have different spans
+    for (int run = 0; run < runs; run++) {
         int p = test_int(&rng, 6, 20), q = test_int(&rng, 6, 16), degree = run % 4 == 3 ? 5 : 3;
         bool turned = run % 2, short_corners = run % 4 < 2;
         kn_bezier a = {0}, b = {0};

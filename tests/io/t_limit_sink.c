@@ -178,7 +178,7 @@ static int by_exact(const void *x, const void *y)
 static size_t shared_edges(comparison *c)
 {
     size_t shared = 0;
-    qsort(c->edges, c->nedges, sizeof *c->edges, by_exact);
+    if (c->nedges > 0) qsort(c->edges, c->nedges, sizeof *c->edges, by_exact);
     for (size_t i = 1; i < c->nedges; i++) {
         const edge_pair *a = &c->edges[i - 1], *b = &c->edges[i];
         if (by_exact(a, b) != 0) continue;
