@@ -34,7 +34,7 @@ class splitter
     // two between lie on them, in their order; all within the tolerance of the edge. Parts have the edge's own curve;
     // a single one is the edge itself. An edge that is cut again, from its other face, is to be cut at the same places.
     // Throws split_error.
-    void cut(const TopoDS_Edge &edge, const std::vector<gp_Pnt> &points, double tolerance, std::vector<part> &out);
+    void cut(const TopoDS_Edge &given, const std::vector<gp_Pnt> &points, double tolerance, std::vector<part> &out);
     // What a shape has become.
     TopoDS_Shape apply(const TopoDS_Shape &shape);
     // All shapes of the document, with the labels of their subshapes.
