@@ -18,6 +18,7 @@
 typedef struct writer {
     const char *ending;
     kn_status (*open)(kn_ctx *ctx, kn_sink *out, const char *path, const cli_output_options *o);
+    kn_status (*plain)(kn_ctx *ctx, kn_sink *out, const char *path); // in its place where there are no options
     double per_point, per_patch, per_triangle, per_file;
     bool cad; // wants faces that are C1 inside
 } writer;
@@ -80,45 +81,9 @@ static kn_status open_iges(kn_ctx *ctx, kn_sink *out, const char *path, const cl
     return kn_iges_sink(ctx, out, path, &options);
 }
 
-static kn_status open_stl(kn_ctx *ctx, kn_sink *out, const char *path, const cli_output_options *o)
-{
-    (void)o; // the format has no unit
-    return kn_stl_sink(ctx, out, path);
-}
-
 static kn_status open_obj(kn_ctx *ctx, kn_sink *out, const char *path, const cli_output_options *o)
 {
     return o->obj_surfaces ? kn_obj_surfaces_sink(ctx, out, path) : kn_obj_sink(ctx, out, path);
-}
-
-static kn_status open_g2(kn_ctx *ctx, kn_sink *out, const char *path, const cli_output_options *o)
-{
-    (void)o;
-    return kn_g2_sink(ctx, out, path);
-}
-
-static kn_status open_itd(kn_ctx *ctx, kn_sink *out, const char *path, const cli_output_options *o)
-{
-    (void)o;
-    return kn_itd_sink(ctx, out, path);
-}
-
-static kn_status open_vtu(kn_ctx *ctx, kn_sink *out, const char *path, const cli_output_options *o)
-{
-    (void)o;
-    return kn_vtu_sink(ctx, out, path);
-}
-
-static kn_status open_mfem(kn_ctx *ctx, kn_sink *out, const char *path, const cli_output_options *o)
-{
-    (void)o;
-    return kn_mfem_sink(ctx, out, path);
-}
-
-static kn_status open_pov(kn_ctx *ctx, kn_sink *out, const char *path, const cli_output_options *o)
-{
-    (void)o;
-    return kn_pov_sink(ctx, out, path);
 }
 
 static kn_status open_rhino(kn_ctx *ctx, kn_sink *out, const char *path, const cli_output_options *o)
@@ -134,17 +99,17 @@ static kn_status open_gltf(kn_ctx *ctx, kn_sink *out, const char *path, const cl
 #endif
 
 static const writer writers[] = {
-    {"step", open_step, 100, 1500, 0, 4000, true}, {"stp", open_step, 100, 1500, 0, 4000, true},
-    {"igs", open_iges, 100, 2500, 0, 500, true},   {"iges", open_iges, 100, 2500, 0, 500, true},
-    {"g2", open_g2, 58, 90, 0, 0, false},          {"itd", open_itd, 62, 70, 0, 20, false},
-    {"vtu", open_vtu, 53.4, 90, 0, 1500, false},   {"mesh", open_mfem, 60, 200, 0, 300, false},
-    {"pov", open_pov, 0, 100, 61, 1500, false},    {"stl", open_stl, 0, 0, 50, 84, false},
-    {"obj", open_obj, 0, 0, 75, 500, false},       {"3dm", open_rhino, 34, 700, 0, 6000, true},
+    {"step", open_step, NULL, 100, 1500, 0, 4000, true},  {"stp", open_step, NULL, 100, 1500, 0, 4000, true},
+    {"igs", open_iges, NULL, 100, 2500, 0, 500, true},    {"iges", open_iges, NULL, 100, 2500, 0, 500, true},
+    {"g2", NULL, kn_g2_sink, 58, 90, 0, 0, false},        {"itd", NULL, kn_itd_sink, 62, 70, 0, 20, false},
+    {"vtu", NULL, kn_vtu_sink, 53.4, 90, 0, 1500, false}, {"mesh", NULL, kn_mfem_sink, 60, 200, 0, 300, false},
+    {"pov", NULL, kn_pov_sink, 0, 100, 61, 1500, false},  {"stl", NULL, kn_stl_sink, 0, 0, 50, 84, false},
+    {"obj", open_obj, NULL, 0, 0, 75, 500, false},        {"3dm", open_rhino, NULL, 34, 700, 0, 6000, true},
 #if KN_WITH_ZLIB
-    {"stpz", open_stpz, 41, 160, 0, 1800, true},
+    {"stpz", open_stpz, NULL, 41, 160, 0, 1800, true},
 #endif
 #if KN_WITH_TINYGLTF
-    {"glb", open_gltf, 0, 0, 26, 2000, false},     {"gltf", open_gltf, 0, 0, 35, 3000, false},
+    {"glb", open_gltf, NULL, 0, 0, 26, 2000, false},      {"gltf", open_gltf, NULL, 0, 0, 35, 3000, false},
 #endif
 };
 
@@ -188,7 +153,8 @@ const char *cli_writable_endings(void)
 
 kn_status cli_open_sink(kn_ctx *ctx, kn_sink *out, const char *path, const cli_output_options *o)
 {
-    return find(path)->open(ctx, out, path, o);
+    const writer *w = find(path);
+    return w->plain ? w->plain(ctx, out, path) : w->open(ctx, out, path, o);
 }
 
 double cli_estimate_bytes(const char *path, const kn_job_report *r)

@@ -4,6 +4,7 @@
 #include <knurl/iges.h>
 
 #include "iges/write.h"
+#include "io/announced.h"
 #include "io/out_file.h"
 #include "kernel/context.h"
 
@@ -18,9 +19,7 @@ typedef struct iges {
     double unit_mm, uncertainty_mm;
     kn_iges_join join;
     uint64_t lines[2]; // of the start and global sections
-    int degree[2], volume_degree;
-    bool curves;
-    uint64_t patches;
+    kn_announced announced;
 } iges;
 
 // ---- begin ----
@@ -29,29 +28,15 @@ typedef struct iges {
 // lines.
 static kn_status take_report(kn_ctx *ctx, iges *s, const kn_job_report *report)
 {
-    s->degree[0] = report->degree[0], s->degree[1] = report->degree[1];
-    s->volume_degree = report->volumes == 0 ? -1 : s->degree[0] < s->degree[1] ? s->degree[0] : s->degree[1];
-    s->curves = report->curves > 0;
-    s->patches = report->patches;
-    if (report->meshes > 0)
-        return kn_fail(ctx, KN_EDOMAIN,
-                       "IGES: %zu of the patches are meshes, and faces are spline surfaces: write STL, OBJ or glTF",
-                       report->meshes);
+    kn_status status = kn_announced_take(ctx, &s->announced, report, "IGES");
+    if (status != KN_OK) return status;
     uint64_t points = report->volumes > 0 ? 0 : report->control_points; // hidden faces of volumes are not written
-    uint64_t faces = report->volumes > 0 || report->curves > 0 ? 0 : s->patches;
+    uint64_t faces = report->volumes > 0 || report->curves > 0 ? 0 : report->patches;
     if (points / 8 < KN_IGES_MOST && faces < KN_IGES_MOST / 5 && points / 8 + 5 * faces <= KN_IGES_MOST) return KN_OK;
     return kn_fail(ctx, KN_ELIMIT,
                    "IGES: %zu patches of degree %d,%d need more than %d lines, which seven digits "
                    "cannot count: write STEP",
-                   report->patches, s->degree[0], s->degree[1], KN_IGES_MOST);
-}
-
-static kn_status flush(kn_ctx *ctx, kn_out_file *file, kn_text *text)
-{
-    if (text->failed) return KN_ENOMEM;
-    kn_status status = kn_out_write(ctx, file, text->data, text->bytes);
-    text->bytes = text->line = 0;
-    return status;
+                   report->patches, report->degree[0], report->degree[1], KN_IGES_MOST);
 }
 
 // The same lines again where a run goes on.
@@ -69,7 +54,7 @@ static kn_status iges_begin(kn_ctx *ctx, void *user, const kn_tile *tile, const 
     if (status == KN_OK) status = kn_iges_join_begin(ctx, &s->join, tile);
     if (status == KN_OK) {
         put_start(s, &text);
-        status = flush(ctx, s->file, &text);
+        status = kn_out_flush(ctx, s->file, &text);
     }
     kn_text_clear(&text);
     return status;
@@ -77,37 +62,18 @@ static kn_status iges_begin(kn_ctx *ctx, void *user, const kn_tile *tile, const 
 
 // ---- blocks ----
 
-static kn_status check_patch(kn_ctx *ctx, const iges *s, const kn_patch *patch, uint64_t place)
-{
-    kn_spline b = kn_patch_spline(patch);
-    bool fits = b.nvars == 1 && s->curves;
-    if (b.nvars == 2) fits = b.degree[0] <= s->degree[0] && b.degree[1] <= s->degree[1];
-    for (int v = 0; v < 3 && b.nvars == 3; v++) fits = (v == 0 || fits) && b.degree[v] <= s->volume_degree;
-    if (fits && kn_spline_dim(&b) == 3 && patch->look >= 0 && patch->look < s->join.nlooks && place < s->patches)
-        return KN_OK;
-    return kn_fail(ctx, KN_EDOMAIN, "IGES: patch %llu is not what the job's report announced",
-                   (unsigned long long)place);
-}
+typedef struct writing {
+    const iges *s;
+    kn_iges_written *w;
+} writing;
 
-static kn_status put_patch(const iges *s, kn_iges_written *w, const kn_patch *patch)
+static kn_status put_patch(void *user, const kn_patch *patch)
 {
+    const iges *s = ((writing *)user)->s;
+    kn_iges_written *w = ((writing *)user)->w;
     if (kn_patch_nvars(patch) == 1) return kn_iges_put_line(w, patch, s->unit_mm);
     return patch->trim ? kn_iges_put_trimmed(w, patch, s->unit_mm)
                        : kn_iges_put_face(w, patch, s->unit_mm, !s->join.surfaces);
-}
-
-// Faces of a volume that lie outside.
-static kn_status put_volume(kn_ctx *ctx, const iges *s, kn_iges_written *w, const kn_patch *patch)
-{
-    kn_status status = KN_OK;
-    for (int k = 0; k < 6 && status == KN_OK; k++) {
-        kn_patch face = {0};
-        if (patch->hidden >> k & 1) continue;
-        status = kn_patch_face(ctx, &face, patch, k);
-        if (status == KN_OK) status = put_patch(s, w, &face);
-        kn_bezier_clear(ctx, &face.bezier);
-    }
-    return status;
 }
 
 static void iges_discard(kn_ctx *ctx, void *user, void *product)
@@ -135,9 +101,9 @@ static kn_status iges_work(kn_ctx *worker, void *user, const kn_patch_block *blo
     kn_status status = w->items ? KN_OK : KN_ENOMEM;
     for (size_t i = 0; i < block->count && status == KN_OK; i++) {
         const kn_patch *patch = &block->patches[i];
-        status = check_patch(worker, s, patch, (uint64_t)block->first + i);
-        if (status != KN_OK) break;
-        status = kn_patch_nvars(patch) == 3 ? put_volume(worker, s, w, patch) : put_patch(s, w, patch);
+        uint64_t place = (uint64_t)block->first + i;
+        status = kn_announced_check(worker, &s->announced, patch, place, s->join.nlooks, "IGES");
+        if (status == KN_OK) status = kn_announced_each_face(worker, patch, put_patch, &(writing){s, w});
     }
     if (status == KN_OK) status = kn_text_fit(&w->text);
     if (status != KN_OK) {
@@ -156,8 +122,8 @@ typedef struct emptying {
 static kn_status empty(void *user)
 {
     emptying *e = user;
-    kn_status status = flush(e->ctx, e->s->file, &e->s->join.directory);
-    return status == KN_OK ? flush(e->ctx, e->s->parameters, &e->s->join.parameters) : status;
+    kn_status status = kn_out_flush(e->ctx, e->s->file, &e->s->join.directory);
+    return status == KN_OK ? kn_out_flush(e->ctx, e->s->parameters, &e->s->join.parameters) : status;
 }
 
 static kn_status iges_commit(kn_ctx *ctx, void *user, const kn_patch_block *block, void *product)

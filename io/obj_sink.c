@@ -50,13 +50,6 @@ static void put_material(kn_text *text, const char *name, const kn_material *mat
     kn_text_newline(text);
 }
 
-static kn_status flush(kn_ctx *ctx, kn_out_file *file, kn_text *text)
-{
-    kn_status status = text->failed ? KN_ENOMEM : kn_out_write(ctx, file, text->data, text->bytes);
-    text->bytes = text->line = 0;
-    return status;
-}
-
 static kn_status name_parts(kn_ctx *ctx, obj *o, const kn_tile *tile)
 {
     o->names = kn_alloc_zero(ctx, (size_t)tile->nparts, sizeof *o->names);
@@ -75,11 +68,11 @@ static kn_status obj_begin(kn_ctx *ctx, void *user, const kn_tile *tile, const k
     kn_text text = {.ctx = ctx};
     kn_text_put(&text, "# knurl " KN_VERSION_STRING "\n");
     for (int i = 0; i < tile->nparts; i++) put_material(&text, o->names[i], &tile->parts[i].material);
-    status = flush(ctx, o->materials, &text);
+    status = kn_out_flush(ctx, o->materials, &text);
     kn_text_put(&text, "# knurl " KN_VERSION_STRING "\nmtllib ");
     kn_text_put(&text, o->library);
     kn_text_newline(&text);
-    if (status == KN_OK) status = flush(ctx, o->file, &text);
+    if (status == KN_OK) status = kn_out_flush(ctx, o->file, &text);
     kn_text_clear(&text);
     return status;
 }

@@ -145,6 +145,13 @@ kn_status kn_out_set_filter(kn_ctx *ctx, kn_out_file *file, const kn_filter *fil
     return filter->begin(ctx, &file->filtering, filter->level);
 }
 
+kn_status kn_out_flush(kn_ctx *ctx, kn_out_file *file, kn_text *text)
+{
+    kn_status status = text->failed ? KN_ENOMEM : kn_out_write(ctx, file, text->data, text->bytes);
+    text->bytes = text->line = 0;
+    return status;
+}
+
 kn_status kn_out_rewrite(kn_ctx *ctx, kn_out_file *file, size_t offset, const void *data, size_t bytes)
 {
     errno = 0;

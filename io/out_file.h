@@ -6,6 +6,7 @@
 #include <knurl/io.h>
 
 #include "io/state.h"
+#include "io/text_buffer.h"
 
 // Bytes go to a new file beside path ("path.tmp-0" or the first number that is free); commit gives it the name, abort
 // removes it. So a reader never sees half a file, and what was there before survives every failure. A path that is
@@ -24,6 +25,8 @@ KN_CHECKED kn_status kn_out_open_beside(kn_ctx *ctx, kn_out_file **out, const kn
 KN_CHECKED kn_status kn_out_append(kn_ctx *ctx, kn_out_file *to, kn_out_file *from);
 // Appends. fails: KN_EIO with the system's reason (a full disk, a limit).
 KN_CHECKED kn_status kn_out_write(kn_ctx *ctx, kn_out_file *file, const void *data, size_t bytes);
+// Appends a text, and empties it. fails: also KN_ENOMEM (the text has failed).
+KN_CHECKED kn_status kn_out_flush(kn_ctx *ctx, kn_out_file *file, kn_text *text);
 // Overwrites bytes that were written before, at offset from the start; the place of the next append is unchanged.
 KN_CHECKED kn_status kn_out_rewrite(kn_ctx *ctx, kn_out_file *file, size_t offset, const void *data, size_t bytes);
 // Bytes that the file has so far; still known after commit.

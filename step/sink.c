@@ -2,6 +2,7 @@
 // A sink that writes patches as STEP while they are composed: solids where faces close, open shells elsewhere.
 #include <knurl/step.h>
 
+#include "io/announced.h"
 #include "io/out_file.h"
 #include "step/instances.h"
 #include "step/join.h"
@@ -20,9 +21,7 @@ typedef struct step {
     kn_step_naming naming;
     double unit_mm;
     kn_step_join join;
-    int degree[2], volume_degree;
-    bool curves;
-    uint64_t patches;
+    kn_announced announced;
     bool instances;
     kn_step_cells *cells; // of instances
 } step;
@@ -42,14 +41,6 @@ static kn_status copy_string(kn_ctx *ctx, char **out, const char *string)
     if (*out == NULL) return KN_ENOMEM;
     memcpy(*out, string, bytes);
     return KN_OK;
-}
-
-static kn_status flush(kn_ctx *ctx, step *s, kn_text *text)
-{
-    if (text->failed) return KN_ENOMEM;
-    kn_status status = kn_out_write(ctx, s->file, text->data, text->bytes);
-    text->bytes = text->line = 0;
-    return status;
 }
 
 // ---- begin ----
@@ -77,20 +68,14 @@ static void describe(step *s, const kn_job_report *r)
 // Many readers keep entity numbers in 32 bits: what can never fit is refused before anything is composed.
 static kn_status take_report(kn_ctx *ctx, step *s, const kn_job_report *report)
 {
-    s->degree[0] = report->degree[0], s->degree[1] = report->degree[1];
-    s->volume_degree = report->volumes == 0 ? -1 : s->degree[0] < s->degree[1] ? s->degree[0] : s->degree[1];
-    s->curves = report->curves > 0;
-    s->patches = report->patches;
+    kn_status status = kn_announced_take(ctx, &s->announced, report, "STEP");
+    if (status != KN_OK) return status;
     describe(s, report);
-    if (report->meshes > 0)
-        return kn_fail(ctx, KN_EDOMAIN,
-                       "STEP: %zu of the patches are meshes, and faces are spline surfaces: write STL, OBJ or glTF",
-                       report->meshes);
     // hidden faces of volumes are not written, and limited patches are only estimated
     uint64_t points = report->volumes > 0 || report->fit_degree > 0 ? 0 : report->control_points;
-    if (points < INT_MAX && s->patches <= (INT_MAX - points) / ENTITIES) return KN_OK;
+    if (points < INT_MAX && report->patches <= (INT_MAX - points) / ENTITIES) return KN_OK;
     return kn_fail(ctx, KN_ELIMIT, "STEP: %zu patches of degree %d,%d need entity numbers beyond %d", report->patches,
-                   s->degree[0], s->degree[1], INT_MAX);
+                   report->degree[0], report->degree[1], INT_MAX);
 }
 
 static kn_status step_begin(kn_ctx *ctx, void *user, const kn_tile *tile, const kn_job_report *report)
@@ -103,7 +88,7 @@ static kn_status step_begin(kn_ctx *ctx, void *user, const kn_tile *tile, const 
     if (status == KN_OK) {
         kn_step_put_header(&text, &s->about);
         kn_step_join_put_begin(&s->join, &text);
-        status = flush(ctx, s, &text);
+        status = kn_out_flush(ctx, s->file, &text);
     }
     kn_text_clear(&text);
     return status;
@@ -111,42 +96,24 @@ static kn_status step_begin(kn_ctx *ctx, void *user, const kn_tile *tile, const 
 
 // ---- blocks ----
 
-static kn_status check_patch(kn_ctx *ctx, const step *s, const kn_patch *patch, uint64_t place)
-{
-    const kn_spline b = kn_patch_spline(patch);
-    bool fits = b.nvars == 1 && s->curves;
-    if (b.nvars == 2) fits = b.degree[0] <= s->degree[0] && b.degree[1] <= s->degree[1];
-    for (int v = 0; v < 3 && b.nvars == 3; v++) fits = (v == 0 || fits) && b.degree[v] <= s->volume_degree;
-    if (fits && kn_spline_dim(&b) == 3 && patch->look >= 0 && patch->look < s->join.nlooks && place < s->patches)
-        return KN_OK;
-    return kn_fail(ctx, KN_EDOMAIN, "STEP: patch %llu is not what the job's report announced",
-                   (unsigned long long)place);
-}
+typedef struct writing {
+    const step *s;
+    written *w;
+} writing;
 
-static kn_status put_face(kn_ctx *ctx, const step *s, written *w, const kn_patch *patch)
+static kn_status put_face(void *user, const kn_patch *patch)
 {
+    const step *s = ((writing *)user)->s;
+    written *w = ((writing *)user)->w;
     kn_step_item *item = &w->items[w->nitems];
     size_t begin = w->text.bytes;
     kn_status status = kn_patch_nvars(patch) == 1 ? kn_step_put_curve(&w->text, item, patch, s->unit_mm)
                                                   : kn_step_put_face(&w->text, item, patch, &s->naming,
                                                                      s->join.looks[patch->look].name, s->unit_mm);
-    if (status == KN_OK && s->instances) status = kn_step_note_points(ctx, &w->points, item, patch, s->unit_mm);
+    if (status == KN_OK && s->instances)
+        status = kn_step_note_points(w->text.ctx, &w->points, item, patch, s->unit_mm);
     item->text_begin = begin;
     w->nitems++;
-    return status;
-}
-
-// Faces of a volume that lie outside.
-static kn_status put_volume(kn_ctx *ctx, const step *s, written *w, const kn_patch *patch)
-{
-    kn_status status = KN_OK;
-    for (int k = 0; k < 6 && status == KN_OK; k++) {
-        kn_patch face = {0};
-        if (patch->hidden >> k & 1) continue;
-        status = kn_patch_face(ctx, &face, patch, k);
-        if (status == KN_OK) status = put_face(ctx, s, w, &face);
-        kn_bezier_clear(ctx, &face.bezier);
-    }
     return status;
 }
 
@@ -173,9 +140,9 @@ static kn_status step_work(kn_ctx *worker, void *user, const kn_patch_block *blo
     kn_status status = w->items != NULL ? KN_OK : KN_ENOMEM;
     for (size_t i = 0; i < block->count && status == KN_OK; i++) {
         const kn_patch *patch = &block->patches[i];
-        status = check_patch(worker, s, patch, (uint64_t)block->first + i);
-        if (status != KN_OK) break;
-        status = kn_patch_nvars(patch) == 3 ? put_volume(worker, s, w, patch) : put_face(worker, s, w, patch);
+        uint64_t place = (uint64_t)block->first + i;
+        status = kn_announced_check(worker, &s->announced, patch, place, s->join.nlooks, "STEP");
+        if (status == KN_OK) status = kn_announced_each_face(worker, patch, put_face, &(writing){s, w});
     }
     if (status == KN_OK) status = kn_text_fit(&w->text);
     if (status != KN_OK) {
@@ -198,9 +165,9 @@ static kn_status step_commit(kn_ctx *ctx, void *user, const kn_patch_block *bloc
         size_t end = i + 1 < w->nitems ? w->items[i + 1].text_begin : w->text.bytes;
         status = s->cells ? kn_step_cells_add(ctx, s->cells, &text, item, w->text.data, end, w->points.x)
                           : kn_step_join_item(ctx, &s->join, &text, item, w->text.data);
-        if (status == KN_OK && text.bytes > FLUSH_BYTES) status = flush(ctx, s, &text);
+        if (status == KN_OK && text.bytes > FLUSH_BYTES) status = kn_out_flush(ctx, s->file, &text);
     }
-    if (status == KN_OK) status = flush(ctx, s, &text);
+    if (status == KN_OK) status = kn_out_flush(ctx, s->file, &text);
     kn_text_clear(&text);
     step_discard(ctx, user, product);
     return status;
@@ -216,7 +183,7 @@ typedef struct ending {
 static kn_status empty(void *user, kn_text *text)
 {
     ending *e = user;
-    return flush(e->ctx, e->s, text);
+    return kn_out_flush(e->ctx, e->s->file, text);
 }
 
 static kn_status step_end(kn_ctx *ctx, void *user)
@@ -226,7 +193,7 @@ static kn_status step_end(kn_ctx *ctx, void *user)
     kn_status status = s->cells ? kn_step_cells_end(ctx, s->cells, &text) : KN_OK;
     if (status == KN_OK) status = kn_step_join_end(ctx, &s->join, &text, empty, &(ending){ctx, s});
     kn_text_put(&text, "ENDSEC;\nEND-ISO-10303-21;\n");
-    if (status == KN_OK) status = flush(ctx, s, &text);
+    if (status == KN_OK) status = kn_out_flush(ctx, s->file, &text);
     if (status == KN_OK) status = kn_out_commit(ctx, s->file);
     kn_text_clear(&text);
     return status;

@@ -155,7 +155,7 @@ size_t kn_write_place(const kn_spline *s, size_t k)
 
 static kn_status flush(kn_ctx *ctx, kn_write_text *w, kn_text *text)
 {
-    kn_status status = text->failed ? KN_ENOMEM : kn_out_write(ctx, w->file, text->data, text->bytes);
+    kn_status status = kn_out_flush(ctx, w->file, text);
     kn_text_clear(text);
     return status;
 }
