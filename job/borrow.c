@@ -7,6 +7,7 @@
 #include "job/internal.h"
 
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 static const double near = 1e-11; // what lent coefficients may differ by: relative to S's size, and to n
@@ -212,25 +213,60 @@ static int corner_at(int surface, int edge, int end)
     return 4 * surface + (edge < 2 ? 2 * (edge % 2) + end : 2 * end + edge % 2);
 }
 
-// All of a family compose with the largest factor that one of them has.
-static kn_status set_factor(kn_ctx *ctx, kn_job *job, const int *family)
+// A term of a piece over a whole cell of a surface, and the family of the surface.
+typedef struct member {
+    int family;
+    kn_job_term term;
+} member;
+
+static int compare_members(const void *a, const void *b)
+{
+    const member *x = a, *y = b;
+    if (x->family != y->family) return x->family < y->family ? -1 : 1;
+    return memcmp(&x->term, &y->term, sizeof x->term);
+}
+
+// Appends the terms of a surface, where it has whole cells.
+static kn_status add_members(kn_ctx *ctx, member *list, size_t *n, const kn_job_surface *s, int family)
 {
     static const double zero[2] = {0.0, 0.0}, one[2] = {1.0, 1.0};
-    kn_status status = KN_OK;
-    for (int s = 0; s < job->nsurfaces && status == KN_OK; s++) {
-        kn_job_surface *to = &job->surfaces[s], *first = &job->surfaces[root_of(family, s)];
-        kn_shell_piece p = {0};
-        bool fits = false;
-        if (!has_whole_cells(to)) continue;
-        status = kn_shell_piece_outline(ctx, &p, &fits, to->shell, (const int[2]){0, 0}, zero, one, to->degree_sum);
-        for (int t = 0; status == KN_OK && fits && t < p.nterms; t++) {
-            int sum = p.term[t].degree[0] + p.term[t].degree[1] + p.power[t];
-            first->factor = sum > first->factor ? sum : first->factor;
-        }
-        if (status == KN_OK && fits) kn_shell_piece_clear(ctx, &p);
+    static const int cell[2] = {0, 0};
+    kn_shell_piece p = {0};
+    bool fits = false;
+    if (!has_whole_cells(s)) return KN_OK;
+    kn_status status = kn_shell_piece_outline(ctx, &p, &fits, s->shell, cell, zero, one, s->degree_sum);
+    if (status != KN_OK || !fits) return status;
+    for (int t = 0; t < p.nterms; t++) {
+        const int *degree = p.term[t].degree;
+        list[(*n)++] = (member){family, {{(uint8_t)degree[0], (uint8_t)degree[1]}, (uint8_t)p.power[t]}};
     }
-    for (int s = 0; s < job->nsurfaces; s++)
-        job->surfaces[s].factor = has_whole_cells(&job->surfaces[s]) ? job->surfaces[root_of(family, s)].factor : 0;
+    kn_shell_piece_clear(ctx, &p);
+    return KN_OK;
+}
+
+// The patches of a family compose for the terms that any of its surfaces has: job->terms, and where each surface finds
+// its family's.
+static kn_status set_families(kn_ctx *ctx, kn_job *job, const int *family)
+{
+    size_t n = 0, kept = 0, most = KN_SHELL_TERMS * (size_t)job->nsurfaces;
+    member *list = kn_alloc(ctx, most, sizeof *list);
+    kn_status status = list ? KN_OK : KN_ENOMEM;
+    for (int s = 0; s < job->nsurfaces && status == KN_OK; s++)
+        status = add_members(ctx, list, &n, &job->surfaces[s], root_of(family, s));
+    if (status == KN_OK && !(job->terms = kn_alloc(ctx, n + 1, sizeof *job->terms))) status = KN_ENOMEM;
+    if (status == KN_OK) qsort(list, n, sizeof *list, compare_members);
+    for (size_t i = 0; i < n && status == KN_OK; i++) {
+        kn_job_surface *root = &job->surfaces[list[i].family];
+        if (i > 0 && compare_members(&list[i - 1], &list[i]) == 0) continue;
+        if (root->nterms++ == 0) root->first_term = kept;
+        job->terms[kept++] = list[i].term;
+    }
+    for (int s = job->nsurfaces - 1; s >= 0 && status == KN_OK; s--) { // a root comes before the others
+        const kn_job_surface *root = &job->surfaces[root_of(family, s)];
+        job->surfaces[s].first_term = root->first_term;
+        job->surfaces[s].nterms = has_whole_cells(&job->surfaces[s]) ? root->nterms : 0;
+    }
+    kn_free(ctx, list);
     return status;
 }
 
@@ -259,7 +295,7 @@ kn_status kn_job_share_edges(kn_ctx *ctx, kn_job *job)
                 unite(corner, corner_at(s, 2 * v, end), corner_at(s, 2 * v + 1, end));
     for (int i = 0; i < 4 * n && status == KN_OK; i++)
         job->surfaces[i / 4].corner[i % 4] = root_of(corner, i) == i ? -1 : root_of(corner, i);
-    if (status == KN_OK) status = set_factor(ctx, job, family);
+    if (status == KN_OK) status = set_families(ctx, job, family);
     kn_scratch_release(ctx, mark);
     return status;
 }

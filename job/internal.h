@@ -68,6 +68,11 @@ typedef struct kn_job_place {
     int surface, cell[2], turn;
 } kn_job_place;
 
+// A term of a piece: its degrees, and its power of w.
+typedef struct kn_job_term {
+    uint8_t degree[2], power;
+} kn_job_term;
+
 typedef struct kn_job_surface {
     int origin, origin_cell[2]; // kn_job_origin; no two surfaces of one origin have a cell number in common
     int part[2], parts[2];      // which part of the origin's grid of parts, which follow one another, u slowest
@@ -83,7 +88,8 @@ typedef struct kn_job_surface {
     int degree_sum;     // of n: what fits into max_degree
     bool borrows[4];    // along each edge, from the partner's surface (kn_job_borrow)
     int corner[4];      // 4 surface + corner, whose coefficients are borrowed; -1: none are
-    int factor;         // of whole cells: the least, that of all surfaces whose edges are shared; 0: their own
+    size_t first_term;  // of job->terms: those of all surfaces whose edges are shared, which whole cells compose for
+    int nterms;         // 0: their own alone
     int tile_degree;    // the largest of the tile's patches
     double jacobian[2]; // bounds
 } kn_job_surface;
@@ -149,6 +155,7 @@ struct kn_job {
     int npatches;
     kn_job_surface *surfaces;
     int nsurfaces;
+    kn_job_term *terms;             // of the surfaces
     struct kn_job_borders *borders; // of trims; NULL: nothing is trimmed
     struct kn_job_varying *varying; // NULL: tiles are the same everywhere
     struct kn_job_looks *looks;     // colours by fields; NULL: none
@@ -243,7 +250,7 @@ kn_status kn_job_make_shells(kn_ctx *ctx, kn_job *job, const kn_job_bases *bases
 // Which shells have to be made again, with n of which least degrees, so that along edges over which surfaces go on all
 // n have one degree and are as smooth. least, again: for each surface; again is false throughout before.
 kn_status kn_job_even_degrees(kn_ctx *ctx, int (*least)[2], bool *again, const kn_job *job);
-// Who borrows from whom, and factor, of all surfaces.
+// Who borrows from whom, and the terms that families of surfaces have in common.
 kn_status kn_job_share_edges(kn_ctx *ctx, kn_job *job);
 // The coefficients of a whole cell's piece along edges of the surface that others lend, and at its corners. Of pieces
 // without coefficients, and stand-ins, nothing changes.

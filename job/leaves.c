@@ -25,10 +25,9 @@ void kn_job_leaf_degree(const kn_job_cell_plan *plan, const kn_job_leaf *leaf, i
     kn_job_degree(kn_job_leaf_patch(plan, leaf), &leaf->key, degree);
 }
 
-// least: of the factor.
-static void take_terms(kn_job_key *key, const kn_shell_piece *piece, int least)
+static void take_terms(kn_job_key *key, const kn_shell_piece *piece, const kn_job *job, const kn_job_surface *s)
 {
-    int factor = key->whole && piece->exact && least > 1 ? least : 1;
+    int factor = 1;
     key->exact = piece->exact;
     key->nterms = (uint8_t)piece->nterms;
     for (int t = 0; t < piece->nterms; t++) {
@@ -36,6 +35,11 @@ static void take_terms(kn_job_key *key, const kn_shell_piece *piece, int least)
         for (int d = 0; d < 2; d++) key->degree[t][d] = (uint8_t)degree[d];
         key->power[t] = (uint8_t)piece->power[t];
         int sum = degree[0] + degree[1] + piece->power[t];
+        factor = sum > factor ? sum : factor;
+    }
+    for (int t = 0; t < s->nterms && key->whole && piece->exact; t++) {
+        const kn_job_term *term = &job->terms[s->first_term + (size_t)t];
+        int sum = term->degree[0] + term->degree[1] + term->power;
         factor = sum > factor ? sum : factor;
     }
     key->factor = (uint8_t)factor;
@@ -61,7 +65,8 @@ kn_status kn_job_add_leaf(kn_ctx *ctx, kn_job_cell_plan *plan, kn_job_leaf *leaf
     }
     if (leaf->piece >= 0) {
         const kn_shell_piece *piece = &plan->pieces.list[leaf->piece].piece;
-        take_terms(&leaf->key, piece, plan->job->surfaces[plan->pieces.list[leaf->piece].surface].factor);
+        int surface = plan->pieces.list[leaf->piece].surface;
+        take_terms(&leaf->key, piece, plan->job, &plan->job->surfaces[surface]);
         worsen(&plan->normal, &piece->normal);
         if (!leaf->mesh.position)
             plan->stand_in = fmax(plan->stand_in, piece->deviation * kn_job_leaf_patch(plan, leaf)->top);
