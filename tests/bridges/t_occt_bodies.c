@@ -16,34 +16,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-// A job's surfaces, integrated as they pass.
-typedef struct sums {
-    double volume, area;
-    int faces;
-} sums;
-
-static kn_status sum_commit(kn_ctx *ctx, void *user, const kn_patch_block *block, void *product)
-{
-    (void)product;
-    sums *s = user;
-    for (size_t i = 0; i < block->count; i++) {
-        const kn_patch *patch = &block->patches[i];
-        if (kn_patch_nvars(patch) == 2) {
-            test_add_integrals(ctx, &s->volume, &s->area, patch);
-            s->faces++;
-        }
-        for (int k = 0; k < 6 && kn_patch_nvars(patch) == 3; k++) {
-            kn_patch face = {0};
-            if (patch->hidden >> k & 1) continue;
-            assert_int_equal(kn_patch_face(ctx, &face, patch, k), KN_OK);
-            test_add_integrals(ctx, &s->volume, &s->area, &face);
-            kn_bezier_clear(ctx, &face.bezier);
-            s->faces++;
-        }
-    }
-    return KN_OK;
-}
-
 static int count(const char *text, const char *word)
 {
     int n = 0;
@@ -58,7 +30,7 @@ typedef struct scene {
     kn_spline base;
     char path[TEST_PATH_BYTES];
     char *text;
-    sums ours;
+    test_integrals ours;
     kn_occt_model *model;
     kn_occt_report found;
 } scene;
@@ -74,7 +46,7 @@ static void make_scene(scene *s, const char *tile, int cells, const kn_step_opti
     kn_job *job = NULL;
     kn_job_options options = {.count = {cells, cells}};
     assert_int_equal(kn_job_create(s->ctx, &job, &s->base, 1, &s->tile, &options), KN_OK);
-    kn_sink sinks[2] = {{0}, {.user = &s->ours, .commit = sum_commit}}, limited = {0};
+    kn_sink sinks[2] = {{0}, test_integral_sink(&s->ours)}, limited = {0};
     kn_limit_options limits = {limit, 1e-3};
     assert_int_equal(kn_step_sink(s->ctx, &sinks[0], s->path, step), KN_OK);
     if (limit > 0) assert_int_equal(kn_limit_sink(s->ctx, &limited, sinks, 2, &limits, NULL), KN_OK);
@@ -229,14 +201,14 @@ static void instances(void **state)
     kn_tile tile = {0};
     kn_occt_report r[2];
     size_t bytes[2];
-    sums ours = {0};
+    test_integrals ours = {0};
     scene_cylinder(ctx, &base);
     scene_box(ctx, &tile);
     for (int i = 0; i < 2; i++) {
         char path[TEST_PATH_BYTES];
         kn_job *job = NULL;
         kn_occt_model *model = NULL;
-        kn_sink sinks[2] = {{0}, {.user = &ours, .commit = sum_commit}};
+        kn_sink sinks[2] = {{0}, test_integral_sink(&ours)};
         test_tmp_path(path, "instances.step");
         assert_int_equal(kn_job_create(ctx, &job, &base, 1, &tile, &(kn_job_options){.count = {8, 3}}), KN_OK);
         assert_int_equal(kn_step_sink(ctx, &sinks[0], path, &(kn_step_options){.instances = i == 1}), KN_OK);

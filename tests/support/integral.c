@@ -67,3 +67,30 @@ void test_add_integrals(kn_ctx *ctx, double *volume, double *area, const kn_patc
                 add_box(ctx, volume, area, &s, (double[2]){u[i], v[j]}, (double[2]){u[i + 1], v[j + 1]},
                         patch->reversed);
 }
+
+static kn_status commit(kn_ctx *ctx, void *user, const kn_patch_block *block, void *product)
+{
+    (void)product;
+    test_integrals *sums = user;
+    for (size_t i = 0; i < block->count; i++) {
+        const kn_patch *patch = &block->patches[i];
+        if (kn_patch_nvars(patch) == 2) {
+            test_add_integrals(ctx, &sums->volume, &sums->area, patch);
+            sums->faces++;
+        }
+        for (int k = 0; k < 6 && kn_patch_nvars(patch) == 3; k++) {
+            kn_patch face = {0};
+            if (patch->hidden >> k & 1) continue;
+            assert_int_equal(kn_patch_face(ctx, &face, patch, k), KN_OK);
+            test_add_integrals(ctx, &sums->volume, &sums->area, &face);
+            kn_bezier_clear(ctx, &face.bezier);
+            sums->faces++;
+        }
+    }
+    return KN_OK;
+}
+
+kn_sink test_integral_sink(test_integrals *out)
+{
+    return (kn_sink){.user = out, .commit = commit};
+}

@@ -11,4 +11,11 @@ void test_gauss(int n, double *node, double *weight);
 // *area += its area (a quadrature: the root is no polynomial). Trims do not count: whole surfaces.
 void test_add_integrals(kn_ctx *ctx, double *volume, double *area, const kn_patch *patch);
 
+// The same of all that passes a sink, of volumes their faces that are not hidden.
+typedef struct test_integrals {
+    double volume, area;
+    int faces;
+} test_integrals;
+kn_sink test_integral_sink(test_integrals *out);
+
 #endif
