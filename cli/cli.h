@@ -369,9 +369,10 @@ kn_status cli_open_sink(kn_ctx *ctx, kn_sink *out, const char *path, const cli_o
 kn_status cli_rhino_sink(kn_ctx *ctx, kn_sink *out, const char *path, double unit_mm);
 bool cli_writes_cad(const char *path);  // of those that can be written
 bool cli_holds_trims(const char *path); // trimmed surfaces as such, not as triangles
-// The faces of a CAD file through sinks; trims_held: whole, else piece by piece.
-kn_status cli_stream_cad(kn_ctx *ctx, const kn_cad *cad, const char *name, bool trims_held, kn_sink *sinks,
-                         int nsinks);
+// The faces of a CAD file through sinks; trims_held: whole, else piece by piece. mesh_tol: chord height of triangles, 0:
+// a thousandth of the size.
+kn_status cli_stream_cad(kn_ctx *ctx, const kn_cad *cad, const char *name, bool trims_held, double mesh_tol,
+                         kn_sink *sinks, int nsinks);
 const char *cli_writable_endings(void);
 // Bytes that a writer will need, estimated before anything is composed.
 double cli_estimate_bytes(const char *path, const kn_job_report *report);

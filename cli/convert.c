@@ -133,7 +133,7 @@ static kn_status write_one(kn_ctx *ctx, const request *r, const input *in, const
     char name[KN_NAME_BYTES];
     kn_sink sink = {0};
     double tol = r->tol.value > 0.0 ? length(&r->tol, r->unit_mm) : DEFAULT_TOL_MM / r->unit_mm;
-    bool cad = cli_writes_cad(path);
+    bool cad = cli_writes_cad(path), free_form = r->obj_surfaces && cli_has_ending(path, "obj");
     const kn_stream_options o = {.mesh_tol = r->tol.value > 0.0 ? tol : 0.0,
                                  .split = cad,
                                  .unit_domains = cad || r->max_degree > 0,
@@ -141,7 +141,7 @@ static kn_status write_one(kn_ctx *ctx, const request *r, const input *in, const
     cli_name_of(name, r->in);
     kn_status status = open_sinks(ctx, &sink, r, path, tol, done);
     if (status == KN_OK && in->cad.nfaces > 0)
-        status = cli_stream_cad(ctx, &in->cad, name, cli_holds_trims(path) || r->obj_surfaces, &sink, 1);
+        status = cli_stream_cad(ctx, &in->cad, name, cli_holds_trims(path) || free_form, o.mesh_tol, &sink, 1);
     else if (status == KN_OK)
         status = kn_stream_model(ctx, &in->model, name, &o, &sink, 1);
     if (status == KN_OK && sink.bytes) done->bytes = (double)sink.bytes(sink.user);

@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 // The faces of a CAD file as patches for sinks: trimmed surfaces, a part for each body and colour.
 #include "cli/cli.h"
+#include "io/bend.h"
 #include "kernel/context.h"
 
 #include <math.h>
 #include <string.h>
 
-// Triangles of a spline of several spans in each direction.
-enum { SEGMENTS = 24 };
+// Of a face in each direction, and of a piece of a trimmed one, at least.
+enum { SEGMENTS = 24, PIECE_SEGMENTS = 12 };
 
 typedef struct faces {
     const kn_cad *cad;
@@ -17,6 +18,7 @@ typedef struct faces {
     kn_spline *splines; // behind them, one each
     kn_trim *trims;
     size_t npatches, room;
+    int segments; // of a span, that are within the tolerance everywhere
 } faces;
 
 // ---- parts ----
@@ -70,7 +72,7 @@ static kn_status make_parts(kn_ctx *ctx, faces *f, const char *name)
 // ---- patches ----
 
 // Takes the spline over, and a trim, empty where all of it is there.
-static void add(faces *f, int face, kn_spline *s, kn_trim *trim, int segments)
+static void add(faces *f, int face, kn_spline *s, kn_trim *trim)
 {
     size_t at = f->npatches++;
     f->splines[at] = *s, f->trims[at] = *trim;
@@ -87,7 +89,10 @@ static void add(faces *f, int face, kn_spline *s, kn_trim *trim, int segments)
     else
         p->spline = own;
     if (f->trims[at].nloops > 0) p->trim = &f->trims[at];
-    for (int d = 0; d < 2; d++) p->segments[d] = segments * kn_spline_spans(own, d);
+    for (int d = 0; d < 2; d++) {
+        int spans = kn_spline_spans(own, d), least = p->trim ? PIECE_SEGMENTS : 1 + SEGMENTS / spans;
+        p->segments[d] = spans * (f->segments > least ? f->segments : least);
+    }
 }
 
 // A face as its pieces, each with what of the trim is in it: triangles of trimmed surfaces are made piece by piece.
@@ -113,7 +118,7 @@ static kn_status add_pieces(kn_ctx *ctx, faces *f, int face, const kn_spline *s,
             status = kn_trim_restrict(ctx, &part, &any, trim, lo, hi);
         }
         if (status == KN_OK && any) status = kn_spline_of_bezier(ctx, &piece, &pieces[i]);
-        if (status == KN_OK && any) add(f, face, &piece, &part, SEGMENTS / 2);
+        if (status == KN_OK && any) add(f, face, &piece, &part);
         kn_spline_clear(ctx, &piece), kn_trim_clear(ctx, &part);
         kn_bezier_clear(ctx, &pieces[i]);
     }
@@ -136,7 +141,7 @@ static kn_status add_face(kn_ctx *ctx, faces *f, int face, bool trims_held)
     if (status == KN_OK && !from->whole && !trims_held)
         status = add_pieces(ctx, f, face, &s, &trim);
     else if (status == KN_OK)
-        add(f, face, &s, &trim, from->whole ? 1 + SEGMENTS / kn_spline_spans(&s, 0) : SEGMENTS);
+        add(f, face, &s, &trim);
     kn_spline_clear(ctx, &s), kn_trim_clear(ctx, &trim);
     return status;
 }
@@ -156,25 +161,37 @@ static kn_status make_patches(kn_ctx *ctx, faces *f, bool trims_held)
     return status;
 }
 
-static double size_of(kn_ctx *ctx, const faces *f)
+// The largest side of the box of all faces, and how finely they are tessellated; tol 0: a thousandth of its diagonal.
+static kn_status measure(kn_ctx *ctx, faces *f, double *size, double tol)
 {
-    double size = 0.0;
-    for (size_t i = 0; i < f->npatches; i++) {
-        double lo[3], hi[3];
-        if (kn_spline_box(ctx, lo, hi, &f->splines[i]) != KN_OK) continue;
-        for (int c = 0; c < 3; c++) size = fmax(size, hi[c] - lo[c]);
+    double lo[3] = {INFINITY, INFINITY, INFINITY}, hi[3] = {-INFINITY, -INFINITY, -INFINITY}, bend = 0.0,
+           square = 0.0;
+    kn_status status = KN_OK;
+    for (int i = 0; status == KN_OK && i < f->cad->nfaces; i++) {
+        double from[3], to[3], one = 0.0;
+        status = kn_spline_box(ctx, from, to, &f->cad->faces[i].surface);
+        if (status == KN_OK) status = kn_spline_bend(ctx, &one, &f->cad->faces[i].surface);
+        for (int c = 0; status == KN_OK && c < 3; c++) lo[c] = fmin(lo[c], from[c]), hi[c] = fmax(hi[c], to[c]);
+        bend = fmax(bend, one);
     }
-    return size;
+    *size = 0.0;
+    for (int c = 0; status == KN_OK && c < 3; c++) {
+        *size = fmax(*size, hi[c] - lo[c]);
+        square += (hi[c] - lo[c]) * (hi[c] - lo[c]);
+    }
+    if (status == KN_OK) f->segments = kn_bend_segments(bend, tol > 0.0 ? tol : 1e-3 * sqrt(square));
+    return status;
 }
 
-kn_status cli_stream_cad(kn_ctx *ctx, const kn_cad *cad, const char *name, bool trims_held, kn_sink *sinks,
-                         int nsinks)
+kn_status cli_stream_cad(kn_ctx *ctx, const kn_cad *cad, const char *name, bool trims_held, double mesh_tol,
+                         kn_sink *sinks, int nsinks)
 {
     faces f = {.cad = cad};
+    double size = 0.0;
     kn_status status = make_parts(ctx, &f, name);
+    if (status == KN_OK) status = measure(ctx, &f, &size, mesh_tol);
     if (status == KN_OK) status = make_patches(ctx, &f, trims_held);
-    if (status == KN_OK)
-        status = kn_stream_patches(ctx, &f.tile, f.patches, f.npatches, size_of(ctx, &f), sinks, nsinks);
+    if (status == KN_OK) status = kn_stream_patches(ctx, &f.tile, f.patches, f.npatches, size, sinks, nsinks);
     for (size_t i = 0; i < f.npatches; i++) {
         kn_spline_clear(ctx, &f.splines[i]);
         kn_trim_clear(ctx, &f.trims[i]);

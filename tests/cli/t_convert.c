@@ -4,6 +4,7 @@
 
 #include <knurl/knurl.h>
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -106,6 +107,48 @@ static void free_form_obj(void **state)
     remove(obj);
 }
 
+#if KN_WITH_OCCT
+static double highest_point(const char *stl)
+{
+    size_t bytes;
+    unsigned char *data = (unsigned char *)test_read_file(stl, &bytes);
+    double highest = -1e9;
+    for (size_t t = 84; t + 50 <= bytes; t += 50)
+        for (size_t k = 0; k < 3; k++) {
+            float z;
+            memcpy(&z, data + t + 12 + 12 * k + 8, sizeof z);
+            highest = fmax(highest, (double)z);
+        }
+    free(data);
+    return highest;
+}
+
+// A face of 30 spans one way and one arched span the other: triangles follow the arch, to the tolerance. Its height is
+// 10 (3 x (1 - x)^2 + 3 x^2 (1 - x)) at x = 1/2, which no chord of height t is further below than t.
+static void faces_as_triangles(void **state)
+{
+    (void)state;
+    char g2[PATH_BYTES], step[PATH_BYTES], stl[PATH_BYTES], text[TEXT_BYTES];
+    const double y[4] = {0, 0, 10, 10}, z[4] = {0, 10, 10, 0};
+    size_t n = (size_t)snprintf(text, sizeof text, "200 1 0 0\n3 0\n33 4\n0 0 0");
+    test_tmp_path(g2, "arch.g2"), test_tmp_path(step, "arch.step"), test_tmp_path(stl, "arch.stl");
+    for (int i = 0; i <= 30; i++) n += (size_t)snprintf(text + n, sizeof text - n, " %d", i);
+    n += (size_t)snprintf(text + n, sizeof text - n, " 30 30 30\n4 4\n0 0 0 0 1 1 1 1\n");
+    for (int i = 0; i < 4 * 33; i++)
+        n += (size_t)snprintf(text + n, sizeof text - n, "%d %g %g\n", i % 33, y[i / 33], z[i / 33]);
+    write_text(g2, text);
+    assert_int_equal(run("convert %s -o %s -q", g2, step), 0);
+    assert_int_equal(run("convert %s -o %s -q --tol 0.2", step, stl), 0);
+    double coarse = highest_point(stl);
+    assert_int_equal(run("convert %s -o %s -q --tol 0.0005", step, stl), 0);
+    double fine = highest_point(stl);
+    assert_true(coarse >= 7.5 - 0.2 && coarse <= 7.5 + 1e-6); // single precision
+    assert_true(fine >= 7.5 - 0.0005 && fine <= 7.5 + 1e-6);
+    assert_true(fine > coarse);
+    remove(g2), remove(step), remove(stl);
+}
+#endif
+
 static void what_is_refused(void **state)
 {
     (void)state;
@@ -137,6 +180,9 @@ int main(void)
         cmocka_unit_test(there_and_back),
         cmocka_unit_test(to_step),
         cmocka_unit_test(free_form_obj),
+#if KN_WITH_OCCT
+        cmocka_unit_test(faces_as_triangles),
+#endif
         cmocka_unit_test(what_is_refused),
     };
     return cmocka_run_group_tests_name("cli/convert", tests, NULL, NULL);
