@@ -25,12 +25,6 @@ typedef struct rhino {
     size_t bytes;
 } rhino;
 
-static kn_status rhino_begin(kn_ctx *ctx, void *user, const kn_tile *tile, const kn_job_report *report)
-{
-    rhino *r = user;
-    return r->splines.begin(ctx, r->splines.user, tile, report);
-}
-
 static kn_status rhino_work(kn_ctx *worker, void *user, const kn_patch_block *block, void **product)
 {
     rhino *r = user;
@@ -68,19 +62,23 @@ static kn_status attend(kn_ctx *ctx, pid_t pid, int error, char text[TEXT_BYTES]
     if (status != KN_OK) kill(pid, SIGKILL);
     while (waitpid(pid, how, 0) < 0 && errno == EINTR) {
     }
+    if (status == KN_OK) status = kn_progress(ctx, "write", 1.0); // Ctrl-C may have ended it, too
     text[bytes] = '\0';
     text[strcspn(text, "\n")] = '\0';
     return status;
 }
 
-static kn_status run_program(kn_ctx *ctx, const rhino *r)
+// Runs the program on the .g2 file; or, to know before anything is composed that it can run, on nothing.
+static kn_status run_program(kn_ctx *ctx, const rhino *r, bool on_nothing)
 {
     char script[CLI_PATH_BYTES], unit[32], text[TEXT_BYTES];
     int error[2], how = 0;
     pid_t pid;
     cli_find_program(script, "knurl-3dm.cjs", "KNURL_3DM");
+    if (access(script, R_OK) != 0 || !strchr(script, '/')) // what lies in the working folder is not knurl's
+        return kn_fail(ctx, KN_ENOTBUILT, "%s: .3dm files need %s, which is not beside knurl", r->path, script);
     snprintf(unit, sizeof unit, "%.17g", r->unit_mm);
-    const char *const arguments[] = {"node", script, r->between, r->made, unit, NULL};
+    const char *const arguments[] = {"node", script, on_nothing ? NULL : r->between, r->made, unit, NULL};
     if (pipe(error) != 0) return kn_fail(ctx, KN_EIO, "%s: no pipe: %s", r->path, strerror(errno));
     fcntl(error[0], F_SETFD, FD_CLOEXEC), fcntl(error[1], F_SETFD, FD_CLOEXEC);
     posix_spawn_file_actions_t actions;
@@ -100,12 +98,26 @@ static kn_status run_program(kn_ctx *ctx, const rhino *r)
     return status;
 }
 
+static kn_status rhino_begin(kn_ctx *ctx, void *user, const kn_tile *tile, const kn_job_report *report)
+{
+    rhino *r = user;
+    const char *what = report->volumes > 0 && report->fit_degree == 0 ? "volumes" // kn_limit_sink takes them apart
+                       : report->meshes > 0                           ? "meshes"
+                       : report->trim_curves > 0                      ? "trimmed surfaces"
+                                                                      : NULL;
+    if (what)
+        return kn_fail(ctx, KN_EDOMAIN, "%s: some patches are %s, which knurl does not write to .3dm files", r->path,
+                       what);
+    kn_status status = run_program(ctx, r, true);
+    return status == KN_OK ? r->splines.begin(ctx, r->splines.user, tile, report) : status;
+}
+
 static kn_status rhino_end(kn_ctx *ctx, void *user)
 {
     rhino *r = user;
     struct stat file;
     kn_status status = r->splines.end(ctx, r->splines.user);
-    if (status == KN_OK) status = run_program(ctx, r);
+    if (status == KN_OK) status = run_program(ctx, r, false);
     if (status == KN_OK && (stat(r->made, &file) != 0 || rename(r->made, r->path) != 0))
         status = kn_fail(ctx, KN_EIO, "%s: cannot write: %s", r->path, strerror(errno));
     if (status == KN_OK) r->bytes = (size_t)file.st_size;
@@ -142,12 +154,21 @@ static kn_status join_path(kn_ctx *ctx, char **out, const char *path, const char
     return KN_OK;
 }
 
+// The file gets its name by being renamed, which would replace a pipe or a device.
+static kn_status check_place(kn_ctx *ctx, const char *path)
+{
+    struct stat there;
+    if (stat(path, &there) != 0 || S_ISREG(there.st_mode)) return KN_OK;
+    return kn_fail(ctx, KN_EIO, "%s: cannot create: it is there, and no file", path);
+}
+
 kn_status cli_rhino_sink(kn_ctx *ctx, kn_sink *out, const char *path, double unit_mm)
 {
     rhino *r = kn_alloc_zero(ctx, 1, sizeof *r);
     if (!r) return KN_ENOMEM;
     r->unit_mm = unit_mm > 0.0 ? unit_mm : 1.0;
-    kn_status status = join_path(ctx, &r->path, path, "");
+    kn_status status = check_place(ctx, path);
+    if (status == KN_OK) status = join_path(ctx, &r->path, path, "");
     if (status == KN_OK) status = join_path(ctx, &r->made, path, ".3dm");
     if (status == KN_OK) status = join_path(ctx, &r->between, path, ".g2");
     if (status == KN_OK) status = kn_g2_sink(ctx, &r->splines, r->between);

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // A GoTools .g2 file as a Rhino .3dm file, by McNeel's rhino3dm (openNURBS; `npm install rhino3dm`).
 //   node write.cjs IN.g2 OUT.3dm MILLIMETRES-IN-ONE-UNIT
-// knurl runs it for outputs that end in .3dm. Exit 1 with one line on standard error: what is in the way.
+// knurl runs it for outputs that end in .3dm, before without arguments, to see that the package is there. Exit 1 with
+// one line on standard error: what is in the way.
 'use strict';
 const fs = require('fs');
 
@@ -98,11 +99,13 @@ function convert(rhino, from, to, mm) {
   fs.writeFileSync(to, file.toByteArray());
 }
 
-let load;
+let found;
 try {
-  load = require('rhino3dm');
+  found = require.resolve('rhino3dm');
 } catch (error) {
   fail('the node package rhino3dm is missing: npm install rhino3dm (NODE_PATH says where packages are)');
 }
-load().then(rhino => convert(rhino, process.argv[2], process.argv[3], Number(process.argv[4])))
-    .catch(error => fail(String(error.message || error)));
+if (process.argv.length > 2)
+  require(found)()
+      .then(rhino => convert(rhino, process.argv[2], process.argv[3], Number(process.argv[4])))
+      .catch(error => fail(String(error.message || error)));

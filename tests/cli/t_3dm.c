@@ -6,6 +6,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 
 static const char reader[] =
     "require('rhino3dm')().then(r => {"
@@ -74,11 +75,36 @@ static void refusals(void **state)
     assert_int_equal(system(command), 0);
 }
 
+// Before anything is composed: what .3dm files do not hold, a program that is not there or only in the working folder,
+// a name that is taken by what is no file.
+static void early_refusals(void **state)
+{
+    (void)state;
+    char path[PATH_BYTES], folder[PATH_BYTES];
+    test_tmp_path(path, "early.3dm"), test_tmp_path(folder, "taken.3dm");
+    assert_int_equal(
+        run("apply data/cone.g2 --tile cross --count 4,2 --height 0.1 --max-degree exact -o %s -q", path), 3);
+    assert_non_null(strstr(complained, "early.3dm: some patches are volumes"));
+    assert_int_equal(mkfifo(folder, 0600), 0);
+    assert_int_equal(run("convert data/teapot.bpt -o %s -q", folder), 1);
+    assert_non_null(strstr(complained, "it is there, and no file"));
+    struct stat there;
+    assert_int_equal(stat(folder, &there), 0);
+    assert_true(S_ISFIFO(there.st_mode));
+    assert_int_equal(setenv("KNURL_3DM", "README.md", 1), 0); // a name without a folder
+    assert_int_equal(run("convert data/teapot.bpt -o %s -q", path), 1);
+    assert_non_null(strstr(complained, "which is not beside knurl"));
+    assert_int_equal(unsetenv("KNURL_3DM"), 0);
+    assert_false(exists(path));
+    remove(folder);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(surfaces_come_back),
         cmocka_unit_test(refusals),
+        cmocka_unit_test(early_refusals),
     };
     return cmocka_run_group_tests_name("cli/3dm", tests, NULL, NULL);
 }
