@@ -171,3 +171,17 @@ void kn_text_step_string(kn_text *text, const char *string)
     }
     kn_text_char(text, '\'');
 }
+
+void kn_text_utf8(kn_text *text, const char *string)
+{
+    int length = 1;
+    for (const unsigned char *s = (const unsigned char *)string; *s != '\0'; s += length) {
+        uint32_t code = code_point(s, &length);
+        bool none = code < 32 || code == 127 || (code >= 0xd800 && code < 0xe000) || (code & 0xfffe) == 0xfffe;
+        if (none || code > 0x10ffff) code = '_';
+        int more = code < 0x80 ? 0 : code < 0x800 ? 1 : code < 0x10000 ? 2 : 3;
+        static const unsigned first[4] = {0, 0xc0, 0xe0, 0xf0};
+        kn_text_char(text, (char)(first[more] | code >> (6 * more)));
+        while (more-- > 0) kn_text_char(text, (char)(0x80 | (code >> (6 * more) & 0x3f)));
+    }
+}

@@ -36,5 +36,7 @@ void kn_text_newline(kn_text *text);
 void kn_text_comma(kn_text *text);
 // A STEP string with its quotes: a quote and a backslash doubled, UTF-8 as \X2\ sequences, control characters as \X\.
 void kn_text_step_string(kn_text *text, const char *string);
+// As UTF-8 that readers of XML take: bytes of a string that is none count as Latin-1, control characters are '_'.
+void kn_text_utf8(kn_text *text, const char *string);
 
 #endif

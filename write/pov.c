@@ -188,7 +188,7 @@ static void put_head(kn_text *text, const kn_write_text *w)
         put_number(text, " roughness ", fmax(0.003, 0.15 * m->roughness * m->roughness), "");
         if (m->metallic > 0.0) put_number(text, " metallic reflection { ", 0.3 * m->metallic, " metallic }");
         kn_text_put(text, " } } // ");
-        for (const char *c = w->looks[i].name; *c; c++) kn_text_char(text, (unsigned char)*c < ' ' ? '_' : *c);
+        kn_text_utf8(text, w->looks[i].name);
         kn_text_newline(text);
     }
 }

@@ -234,9 +234,12 @@ static void put_head(kn_text *text, const kn_write_text *w)
 {
     kn_text_put(text, "<?xml version=\"1.0\"?>\n<!-- knurl " KN_VERSION_STRING "; parts:");
     for (int i = 0; i < w->nlooks; i++) { // no "--" in a comment
+        char name[KN_NAME_BYTES];
+        memcpy(name, w->looks[i].name, sizeof name);
+        for (char *c = name; *c; c++)
+            if (*c == '-' || *c == ' ') *c = '_';
         kn_text_char(text, ' ');
-        for (const char *c = w->looks[i].name; *c; c++)
-            kn_text_char(text, *c == '-' || (unsigned char)*c <= ' ' ? '_' : *c);
+        kn_text_utf8(text, name);
     }
     kn_text_put(text, " -->\n<VTKFile type=\"UnstructuredGrid\" version=\"2.2\" byte_order=\"LittleEndian\" "
                       "header_type=\"UInt64\">\n<UnstructuredGrid>\n");

@@ -69,11 +69,18 @@ void set_range(tinygltf::Accessor *a, const float *vertex, size_t count, size_t 
     }
 }
 
+// What is no UTF-8 in a name, of a file's for one, becomes U+FFFD: JSON holds no other text.
+std::string valid(const char *name)
+{
+    const auto replace = nlohmann::json::error_handler_t::replace;
+    return nlohmann::json::parse(nlohmann::json(name).dump(-1, ' ', false, replace)).get<std::string>();
+}
+
 int add_material(tinygltf::Model *model, const part *p)
 {
     tinygltf::Material m;
     const double *c = p->material.base_color;
-    m.name = p->name;
+    m.name = valid(p->name);
     m.doubleSided = true; // tiles may be open sheets
     m.pbrMetallicRoughness.baseColorFactor = {c[0], c[1], c[2], 1.0};
     m.pbrMetallicRoughness.metallicFactor = p->material.metallic;
@@ -183,14 +190,14 @@ void add_part(tinygltf::Model *model, const part *p)
     if (model->buffers.empty()) model->buffers.emplace_back();
 
     tinygltf::Mesh mesh;
-    mesh.name = p->name;
+    mesh.name = valid(p->name);
     mesh.weights.assign(p->ntargets, 0.0);
     if (p->mesh.ntriangles > 0) mesh.primitives.push_back(triangles_of(model, p));
     if (p->curves.nlines > 0) mesh.primitives.push_back(lines_of(model, &p->curves));
     const int material = add_material(model, p);
     for (tinygltf::Primitive &primitive : mesh.primitives) primitive.material = material;
     tinygltf::Node node;
-    node.name = p->name;
+    node.name = valid(p->name);
     node.mesh = static_cast<int>(model->meshes.size());
     model->meshes.push_back(mesh);
     model->nodes[0].children.push_back(static_cast<int>(model->nodes.size()));
@@ -202,12 +209,12 @@ void add_root(tinygltf::Model *model, const file_options *o)
 {
     tinygltf::Node root;
     const double metres = o->unit_mm * 1e-3, half = std::sqrt(0.5);
-    root.name = o->name;
+    root.name = valid(o->name);
     root.rotation = {-half, 0.0, 0.0, half};
     root.scale = {metres, metres, metres};
     model->nodes.push_back(root);
     tinygltf::Scene scene;
-    scene.name = o->name;
+    scene.name = valid(o->name);
     scene.nodes.push_back(0);
     model->scenes.push_back(scene);
     model->defaultScene = 0;

@@ -107,6 +107,31 @@ static void free_form_obj(void **state)
     remove(obj);
 }
 
+// A name in Latin-1 goes into XML and JSON as a name in UTF-8.
+static void names_of_files(void **state)
+{
+    (void)state;
+    char from[PATH_BYTES], vtu[PATH_BYTES], glb[PATH_BYTES], text[TEXT_BYTES];
+    test_tmp_path(from, "caf\xe9-x\xc3\xa4.bpt"), test_tmp_path(vtu, "name.vtu"), test_tmp_path(glb, "name.glb");
+    slurp(teapot, text);
+    write_text(from, text);
+    assert_int_equal(run("convert %s -o %s -q", from, vtu), 0);
+    slurp(vtu, text);
+    assert_non_null(strstr(text, "_caf\xc3\xa9_x\xc3\xa4 -->"));
+#if KN_WITH_TINYGLTF
+    assert_int_equal(run("convert %s -o %s -q", from, glb), 0);
+    size_t n;
+    char *data = test_read_file(glb, &n);
+    json_t *o = json_loadb(data + 20, n - 20, JSON_DISABLE_EOF_CHECK, NULL);
+    assert_non_null(o);
+    const json_t *material = json_array_get(json_object_get(o, "materials"), 0);
+    assert_non_null(strstr(json_string_value(json_object_get(material, "name")), "-caf\xef\xbf\xbd-x\xc3\xa4"));
+    json_decref(o), free(data);
+    remove(glb);
+#endif
+    remove(from), remove(vtu);
+}
+
 #if KN_WITH_OCCT
 static double highest_point(const char *stl)
 {
@@ -180,6 +205,7 @@ int main(void)
         cmocka_unit_test(there_and_back),
         cmocka_unit_test(to_step),
         cmocka_unit_test(free_form_obj),
+        cmocka_unit_test(names_of_files),
 #if KN_WITH_OCCT
         cmocka_unit_test(faces_as_triangles),
 #endif
