@@ -43,6 +43,7 @@ static kn_status check_face(kn_ctx *ctx, const kn_cad *cad, int i)
 {
     const kn_cad_face *f = &cad->faces[i];
     if (!kn_cad_type_name(f->type)) return kn_fail(ctx, KN_EDOMAIN, "cad: face %d: type %d", i, (int)f->type);
+    if (f->shell < 0) return kn_fail(ctx, KN_EDOMAIN, "cad: face %d: shell %d", i, f->shell);
     if (f->body < 0 || f->body >= cad->nbodies)
         return kn_fail(ctx, KN_EDOMAIN, "cad: face %d: body %d of %d", i, f->body, cad->nbodies);
     for (int c = 0; c < 3; c++)
@@ -70,6 +71,33 @@ static kn_status check_face(kn_ctx *ctx, const kn_cad *cad, int i)
     return check_name(ctx, f->name, "face", i);
 }
 
+static kn_status check_line(kn_ctx *ctx, const kn_cad *cad, int i)
+{
+    const kn_cad_edge *e = &cad->edges[i];
+    const kn_spline *l = &e->line;
+    int n = l->count[0];
+    if (e->point || l->nvars != 1 || kn_spline_dim(l) != 3)
+        return kn_fail(ctx, KN_EDOMAIN, "cad: edge %d: no line in three dimensions", i);
+    kn_status status = kn_spline_check(ctx, l);
+    if (status != KN_OK) return status;
+    if (!(e->error >= 0.0 && isfinite(e->error)))
+        return kn_fail(ctx, KN_EDOMAIN, "cad: edge %d: error %g", i, e->error);
+    for (int k = 0; k < 2; k++) {
+        if (e->vertex[k] < 0 || e->vertex[k] >= cad->nvertices)
+            return kn_fail(ctx, KN_EDOMAIN, "cad: edge %d: vertex %d of %d", i, e->vertex[k], cad->nvertices);
+        double square = 0.0, size = 0.0;
+        for (int c = 0; c < 3; c++) {
+            int at = k == 0 ? 0 : n - 1;
+            double x = l->coef[c * n + at] / (l->rational ? l->coef[3 * n + at] : 1.0);
+            double y = cad->vertices[e->vertex[k]].at[c];
+            square += (x - y) * (x - y), size += fabs(y);
+        }
+        if (!(sqrt(square) <= e->error + 1e-12 * size)) // rounding, of weights too
+            return kn_fail(ctx, KN_EDOMAIN, "cad: edge %d does not end at vertex %d", i, e->vertex[k]);
+    }
+    return KN_OK;
+}
+
 static kn_status check_edge(kn_ctx *ctx, const kn_cad *cad, int i)
 {
     const kn_cad_edge *e = &cad->edges[i];
@@ -87,17 +115,53 @@ static kn_status check_edge(kn_ctx *ctx, const kn_cad *cad, int i)
         return kn_fail(ctx, KN_EDOMAIN, "cad: edge %d: one curve twice", i);
     if (!(e->angle >= 0.0 && e->angle <= 3.1415926535897936))
         return kn_fail(ctx, KN_EDOMAIN, "cad: edge %d: angle %g", i, e->angle);
+    return e->line.nvars != 0 ? check_line(ctx, cad, i) : KN_OK;
+}
+
+// Over the domain of the edge's line, from end to end of the trim's curve.
+static bool lies_along(const kn_spline *plane, const kn_spline *line, const kn_spline *curve, bool against)
+{
+    double lo[2], hi[2];
+    int n = plane->count[0], m = curve->count[0];
+    bool good = plane->nvars == 1 && plane->ncomp == 2 && !plane->rational;
+    if (!good) return false;
+    kn_spline_domain(plane, 0, &lo[0], &hi[0]);
+    kn_spline_domain(line, 0, &lo[1], &hi[1]);
+    good = lo[0] == lo[1] && hi[0] == hi[1];
+    for (int c = 0; c < 2; c++) {
+        const double *x = plane->coef + c * n, *y = curve->coef + c * m;
+        good = good && x[0] == y[against ? m - 1 : 0] && x[n - 1] == y[against ? 0 : m - 1];
+        for (int k = 0; k < n; k++) good = good && x[k] >= -1.0 && x[k] <= 2.0; // as of a trim
+    }
+    return good;
+}
+
+static kn_status check_uses(kn_ctx *ctx, const kn_cad *cad, int i)
+{
+    const kn_cad_face *f = &cad->faces[i];
+    for (int k = 0; f->use && k < f->trim.ncurves; k++) {
+        const kn_spline *plane = &f->use[k].plane, *line = &cad->edges[f->edge[k]].line;
+        if (plane->nvars == 0) continue;
+        kn_status status = kn_spline_check(ctx, plane);
+        if (status != KN_OK) return status;
+        if (line->nvars == 0 || !lies_along(plane, line, &f->trim.curves[k], f->use[k].against))
+            return kn_fail(ctx, KN_EDOMAIN, "cad: face %d, curve %d: its plane does not lie along edge %d", i, k,
+                           f->edge[k]);
+    }
     return KN_OK;
 }
 
 kn_status kn_cad_check(kn_ctx *ctx, const kn_cad *cad)
 {
-    if (cad->nfaces < 0 || cad->nedges < 0 || cad->nbodies < 0 || (cad->nfaces > 0 && !cad->faces) ||
-        (cad->nedges > 0 && !cad->edges) || (cad->nbodies > 0 && !cad->bodies))
-        return kn_fail(ctx, KN_EDOMAIN, "cad: %d faces, %d edges, %d bodies", cad->nfaces, cad->nedges, cad->nbodies);
+    if (cad->nfaces < 0 || cad->nedges < 0 || cad->nbodies < 0 || cad->nvertices < 0 ||
+        (cad->nfaces > 0 && !cad->faces) || (cad->nedges > 0 && !cad->edges) || (cad->nbodies > 0 && !cad->bodies) ||
+        (cad->nvertices > 0 && !cad->vertices))
+        return kn_fail(ctx, KN_EDOMAIN, "cad: %d faces, %d edges, %d vertices, %d bodies", cad->nfaces, cad->nedges,
+                       cad->nvertices, cad->nbodies);
     kn_status status = KN_OK;
     for (int i = 0; status == KN_OK && i < cad->nbodies; i++) status = check_body(ctx, cad, i);
     for (int i = 0; status == KN_OK && i < cad->nfaces; i++) status = check_face(ctx, cad, i);
     for (int i = 0; status == KN_OK && i < cad->nedges; i++) status = check_edge(ctx, cad, i);
+    for (int i = 0; status == KN_OK && i < cad->nfaces; i++) status = check_uses(ctx, cad, i);
     return status;
 }

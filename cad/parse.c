@@ -124,6 +124,21 @@ static kn_status take_trim(source *s, kn_cad_face *f)
     return status;
 }
 
+static kn_status take_uses(source *s, kn_cad_face *f)
+{
+    size_t n = (size_t)f->trim.ncurves;
+    if (n > s->at.bytes / 4) return bad(s, "uses of edges");
+    f->use = kn_alloc_zero(s->ctx, n, sizeof *f->use);
+    kn_status status = f->use ? KN_OK : KN_ENOMEM;
+    for (size_t i = 0; status == KN_OK && i < n; i++) {
+        int flags = 0;
+        status = take_int(s, &flags, 0, KN_CAD_AGAINST | KN_CAD_HAS_PLANE, "flags of a use");
+        f->use[i].against = flags & KN_CAD_AGAINST;
+        if (status == KN_OK && flags & KN_CAD_HAS_PLANE) status = take_spline(s, &f->use[i].plane);
+    }
+    return status;
+}
+
 static kn_status take_face(source *s, kn_cad_face *f)
 {
     int type = 0, flags = 0;
@@ -131,14 +146,17 @@ static kn_status take_face(source *s, kn_cad_face *f)
     if (status == KN_OK) status = take_int(s, &type, 0, KN_CAD_TYPES - 1, "type of a face");
     f->type = (kn_cad_type)type;
     if (status == KN_OK) status = take_int(s, &f->body, 0, INT32_MAX, "body of a face");
-    if (status == KN_OK) status = take_int(s, &flags, 0, KN_CAD_COLORED | KN_CAD_WHOLE, "flags of a face");
+    if (status == KN_OK) status = take_int(s, &f->shell, 0, INT32_MAX, "shell of a face");
+    if (status == KN_OK)
+        status = take_int(s, &flags, 0, KN_CAD_COLORED | KN_CAD_WHOLE | KN_CAD_USES, "flags of a face");
     f->colored = flags & KN_CAD_COLORED;
     f->whole = flags & KN_CAD_WHOLE;
     if (status == KN_OK) status = take_f64(s, f->color, 3);
     if (status == KN_OK) status = take_f64(s, &f->error, 1);
     if (status == KN_OK) status = take_f64(s, &f->trim_error, 1);
     if (status == KN_OK) status = take_spline(s, &f->surface);
-    return status == KN_OK ? take_trim(s, f) : status;
+    if (status == KN_OK) status = take_trim(s, f);
+    return status == KN_OK && flags & KN_CAD_USES ? take_uses(s, f) : status;
 }
 
 static kn_status take_body(source *s, kn_cad_body *b)
@@ -159,13 +177,19 @@ static kn_status take_edge(source *s, kn_cad_edge *e)
         status = take_int(s, &e->face[k], -1, INT32_MAX, "face of an edge");
     for (int k = 0; status == KN_OK && k < 2; k++)
         status = take_int(s, &e->curve[k], -1, INT32_MAX, "curve of an edge");
-    if (status == KN_OK) status = take_int(s, &flags, 0, KN_CAD_MORE | KN_CAD_POINT, "flags of an edge");
+    if (status == KN_OK)
+        status = take_int(s, &flags, 0, KN_CAD_MORE | KN_CAD_POINT | KN_CAD_HAS_LINE, "flags of an edge");
     e->more = flags & KN_CAD_MORE;
     e->point = flags & KN_CAD_POINT;
-    return status == KN_OK ? take_f64(s, &e->angle, 1) : status;
+    if (status == KN_OK) status = take_f64(s, &e->angle, 1);
+    if (!(flags & KN_CAD_HAS_LINE)) return status;
+    for (int k = 0; status == KN_OK && k < 2; k++)
+        status = take_int(s, &e->vertex[k], 0, INT32_MAX, "vertex of an edge");
+    if (status == KN_OK) status = take_f64(s, &e->error, 1);
+    return status == KN_OK ? take_spline(s, &e->line) : status;
 }
 
-static kn_status take_head(source *s, int *nbodies, int *nedges, int *nfaces)
+static kn_status take_head(source *s, int *nbodies, int *nvertices, int *nedges, int *nfaces)
 {
     unsigned char head[8];
     kn_status status = take(s, head, sizeof head);
@@ -174,6 +198,7 @@ static kn_status take_head(source *s, int *nbodies, int *nedges, int *nfaces)
     if (head[7] != KN_CAD_VERSION)
         return kn_fail(s->ctx, KN_EPARSE, "%s: byte 7: version %d, not %d", s->name, head[7], KN_CAD_VERSION);
     status = take_count(s, nbodies, KN_CAD_BODY_BYTES, "bodies");
+    if (status == KN_OK) status = take_count(s, nvertices, KN_CAD_VERTEX_BYTES, "vertices");
     if (status == KN_OK) status = take_count(s, nedges, KN_CAD_EDGE_BYTES, "edges");
     if (status == KN_OK) status = take_count(s, nfaces, KN_CAD_FACE_BYTES, "faces");
     return status;
@@ -181,15 +206,17 @@ static kn_status take_head(source *s, int *nbodies, int *nedges, int *nfaces)
 
 static kn_status take_all(source *s, kn_cad *cad)
 {
-    int nbodies = 0, nedges = 0, nfaces = 0;
-    kn_status status = take_head(s, &nbodies, &nedges, &nfaces);
+    int nbodies = 0, nvertices = 0, nedges = 0, nfaces = 0;
+    kn_status status = take_head(s, &nbodies, &nvertices, &nedges, &nfaces);
     if (status != KN_OK) return status;
     cad->bodies = kn_alloc_zero(s->ctx, (size_t)nbodies, sizeof *cad->bodies);
+    cad->vertices = kn_alloc_zero(s->ctx, (size_t)nvertices, sizeof *cad->vertices);
     cad->edges = kn_alloc_zero(s->ctx, (size_t)nedges, sizeof *cad->edges);
     cad->faces = kn_alloc_zero(s->ctx, (size_t)nfaces, sizeof *cad->faces);
-    if (!cad->bodies || !cad->edges || !cad->faces) return KN_ENOMEM;
-    cad->nbodies = nbodies, cad->nedges = nedges, cad->nfaces = nfaces;
+    if (!cad->bodies || !cad->vertices || !cad->edges || !cad->faces) return KN_ENOMEM;
+    cad->nbodies = nbodies, cad->nvertices = nvertices, cad->nedges = nedges, cad->nfaces = nfaces;
     for (int i = 0; status == KN_OK && i < nbodies; i++) status = take_body(s, &cad->bodies[i]);
+    for (int i = 0; status == KN_OK && i < nvertices; i++) status = take_f64(s, cad->vertices[i].at, 3);
     for (int i = 0; status == KN_OK && i < nedges; i++) status = take_edge(s, &cad->edges[i]);
     for (int i = 0; status == KN_OK && i < nfaces; i++) status = take_face(s, &cad->faces[i]);
     if (status == KN_OK && s->at.bytes > 0) status = bad(s, "bytes after the end");

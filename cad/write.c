@@ -53,7 +53,8 @@ static void put_face(kn_state *s, const kn_cad_face *f)
     put_name(s, f->name);
     put_int(s, (int)f->type);
     put_int(s, f->body);
-    put_int(s, (f->colored ? KN_CAD_COLORED : 0) | (f->whole ? KN_CAD_WHOLE : 0));
+    put_int(s, f->shell);
+    put_int(s, (f->colored ? KN_CAD_COLORED : 0) | (f->whole ? KN_CAD_WHOLE : 0) | (f->use ? KN_CAD_USES : 0));
     put_f64(s, f->color, 3);
     put_f64(s, &f->error, 1);
     put_f64(s, &f->trim_error, 1);
@@ -63,6 +64,22 @@ static void put_face(kn_state *s, const kn_cad_face *f)
     for (int i = 0; i < f->trim.nloops; i++) put_int(s, f->trim.loop_end[i]);
     for (int i = 0; i < f->trim.ncurves; i++) put_int(s, f->edge[i]);
     for (int i = 0; i < f->trim.ncurves; i++) put_spline(s, &f->trim.curves[i]);
+    for (int i = 0; f->use && i < f->trim.ncurves; i++) {
+        const kn_cad_use *use = &f->use[i];
+        put_int(s, (use->against ? KN_CAD_AGAINST : 0) | (use->plane.nvars > 0 ? KN_CAD_HAS_PLANE : 0));
+        if (use->plane.nvars > 0) put_spline(s, &use->plane);
+    }
+}
+
+static void put_edge(kn_state *s, const kn_cad_edge *e)
+{
+    bool line = e->line.nvars > 0;
+    for (int k = 0; k < 2; k++) put_int(s, e->face[k]);
+    for (int k = 0; k < 2; k++) put_int(s, e->curve[k]);
+    put_int(s, (e->more ? KN_CAD_MORE : 0) | (e->point ? KN_CAD_POINT : 0) | (line ? KN_CAD_HAS_LINE : 0));
+    put_f64(s, &e->angle, 1);
+    for (int k = 0; k < 2 && line; k++) put_int(s, e->vertex[k]);
+    if (line) put_f64(s, &e->error, 1), put_spline(s, &e->line);
 }
 
 kn_status kn_cad_write(kn_ctx *ctx, unsigned char **data, size_t *bytes, const kn_cad *cad)
@@ -71,6 +88,7 @@ kn_status kn_cad_write(kn_ctx *ctx, unsigned char **data, size_t *bytes, const k
     const unsigned char head[8] = {'K', 'N', 'C', 'A', 'D', 0, 0, KN_CAD_VERSION};
     kn_state_put(&s, head, sizeof head);
     put_int(&s, cad->nbodies);
+    put_int(&s, cad->nvertices);
     put_int(&s, cad->nedges);
     put_int(&s, cad->nfaces);
     for (int i = 0; i < cad->nbodies; i++) {
@@ -80,13 +98,8 @@ kn_status kn_cad_write(kn_ctx *ctx, unsigned char **data, size_t *bytes, const k
         put_int(&s, b->instances);
         put_f64(&s, b->place, 12);
     }
-    for (int i = 0; i < cad->nedges; i++) {
-        const kn_cad_edge *e = &cad->edges[i];
-        for (int k = 0; k < 2; k++) put_int(&s, e->face[k]);
-        for (int k = 0; k < 2; k++) put_int(&s, e->curve[k]);
-        put_int(&s, (e->more ? KN_CAD_MORE : 0) | (e->point ? KN_CAD_POINT : 0));
-        put_f64(&s, &e->angle, 1);
-    }
+    for (int i = 0; i < cad->nvertices; i++) put_f64(&s, cad->vertices[i].at, 3);
+    for (int i = 0; i < cad->nedges; i++) put_edge(&s, &cad->edges[i]);
     for (int i = 0; i < cad->nfaces; i++) put_face(&s, &cad->faces[i]);
     return kn_state_give(&s, data, bytes, KN_OK);
 }

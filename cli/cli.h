@@ -362,6 +362,7 @@ typedef struct cli_output_options {
     bool instances;           // of STEP files: an assembly
     bool obj_surfaces;        // curves and surfaces in .obj files instead of triangles
     const cli_base *base;     // whose faces give their names to those of STEP files; NULL: none
+    const kn_cad *cad; // whose faces these are: they and their bodies keep their names in STEP files; NULL: none
 } cli_output_options;
 kn_status cli_open_sink(kn_ctx *ctx, kn_sink *out, const char *path, const cli_output_options *options);
 // A sink for Rhino's .3dm files: of curves and untrimmed surfaces, by node and its package rhino3dm, which hold the
@@ -369,10 +370,17 @@ kn_status cli_open_sink(kn_ctx *ctx, kn_sink *out, const char *path, const cli_o
 kn_status cli_rhino_sink(kn_ctx *ctx, kn_sink *out, const char *path, double unit_mm);
 bool cli_writes_cad(const char *path);  // of those that can be written
 bool cli_holds_trims(const char *path); // trimmed surfaces as such, not as triangles
-// The faces of a CAD file through sinks; trims_held: whole, else piece by piece. mesh_tol: chord height of triangles, 0:
-// a thousandth of the size.
-kn_status cli_stream_cad(kn_ctx *ctx, const kn_cad *cad, const char *name, bool trims_held, double mesh_tol,
+// The faces of a CAD file through sinks.
+typedef struct cli_cad_options {
+    bool trims; // faces are whole, else they come piece by piece
+    bool edges; // faces share edges, curves of degree max_degree (0: any) in space and in the plane
+    int max_degree;
+    double mesh_tol; // chord height of triangles, 0: a thousandth of the size
+} cli_cad_options;
+kn_status cli_stream_cad(kn_ctx *ctx, const kn_cad *cad, const char *name, const cli_cad_options *options,
                          kn_sink *sinks, int nsinks);
+// What is around a face: kn_free its edges.
+kn_status cli_cad_bounds(kn_ctx *ctx, kn_patch_bounds *out, const kn_cad *cad, int face, int max_degree);
 const char *cli_writable_endings(void);
 // Bytes that a writer will need, estimated before anything is composed.
 double cli_estimate_bytes(const char *path, const kn_job_report *report);

@@ -113,11 +113,13 @@ static double length(const cli_length *l, double unit_mm)
 }
 
 // Degrees are lowered for files of splines alone: triangles are made of what is there.
-static kn_status open_sinks(kn_ctx *ctx, kn_sink *out, const request *r, const char *path, double tol, outcome *done)
+static kn_status open_sinks(kn_ctx *ctx, kn_sink *out, const request *r, const input *in, const char *path,
+                            double tol, outcome *done)
 {
     kn_sink inner = {0};
-    kn_status status = cli_open_sink(ctx, &inner, path,
-                                     &(cli_output_options){.unit_mm = r->unit_mm, .obj_surfaces = r->obj_surfaces});
+    const cli_output_options output = {
+        .unit_mm = r->unit_mm, .obj_surfaces = r->obj_surfaces, .cad = in->cad.nfaces > 0 ? &in->cad : NULL};
+    kn_status status = cli_open_sink(ctx, &inner, path, &output);
     if (status != KN_OK || r->max_degree == 0) {
         *out = inner;
         return status;
@@ -139,9 +141,14 @@ static kn_status write_one(kn_ctx *ctx, const request *r, const input *in, const
                                  .unit_domains = cad || r->max_degree > 0,
                                  .max_degree = r->max_degree};
     cli_name_of(name, r->in);
-    kn_status status = open_sinks(ctx, &sink, r, path, tol, done);
+    kn_status status = open_sinks(ctx, &sink, r, in, path, tol, done);
     if (status == KN_OK && in->cad.nfaces > 0)
-        status = cli_stream_cad(ctx, &in->cad, name, cli_holds_trims(path) || free_form, o.mesh_tol, &sink, 1);
+        status = cli_stream_cad(ctx, &in->cad, name,
+                                &(cli_cad_options){.trims = cli_holds_trims(path) || free_form,
+                                                   .edges = cad,
+                                                   .max_degree = r->max_degree,
+                                                   .mesh_tol = o.mesh_tol},
+                                &sink, 1);
     else if (status == KN_OK)
         status = kn_stream_model(ctx, &in->model, name, &o, &sink, 1);
     if (status == KN_OK && sink.bytes) done->bytes = (double)sink.bytes(sink.user);

@@ -17,6 +17,7 @@ typedef struct faces {
     kn_patch *patches;  // npatches, room
     kn_spline *splines; // behind them, one each
     kn_trim *trims;
+    kn_patch_bounds *bounds;
     size_t npatches, room;
     int segments; // of a span, that are within the tolerance everywhere
 } faces;
@@ -89,6 +90,7 @@ static void add(faces *f, int face, kn_spline *s, kn_trim *trim)
     else
         p->spline = own;
     if (f->trims[at].nloops > 0) p->trim = &f->trims[at];
+    if (f->bounds[at].edges) p->bounds = &f->bounds[at];
     for (int d = 0; d < 2; d++) {
         int spans = kn_spline_spans(own, d), least = p->trim ? PIECE_SEGMENTS : 1 + SEGMENTS / spans;
         p->segments[d] = spans * (f->segments > least ? f->segments : least);
@@ -126,9 +128,10 @@ static kn_status add_pieces(kn_ctx *ctx, faces *f, int face, const kn_spline *s,
     return status;
 }
 
-static kn_status add_face(kn_ctx *ctx, faces *f, int face, bool trims_held)
+static kn_status add_face(kn_ctx *ctx, faces *f, int face, const cli_cad_options *o)
 {
     const kn_cad_face *from = &f->cad->faces[face];
+    bool trimmed = !from->whole || (o->edges && from->use);
     kn_spline s = {0};
     kn_trim trim = {0};
     kn_status status = kn_spline_copy(ctx, &s, &from->surface);
@@ -137,8 +140,10 @@ static kn_status add_face(kn_ctx *ctx, faces *f, int face, bool trims_held)
         kn_spline_domain(&s, d, &lo, &hi);
         if (lo != 0.0 || hi != 1.0) status = kn_spline_reparameterize(ctx, &s, &s, d, 0.0, 1.0);
     }
-    if (status == KN_OK && !from->whole) status = kn_trim_copy(ctx, &trim, &from->trim);
-    if (status == KN_OK && !from->whole && !trims_held)
+    if (status == KN_OK && trimmed) status = kn_trim_copy(ctx, &trim, &from->trim);
+    if (status == KN_OK && trimmed && o->edges)
+        status = cli_cad_bounds(ctx, &f->bounds[f->npatches], f->cad, face, o->max_degree);
+    if (status == KN_OK && trimmed && !o->trims)
         status = add_pieces(ctx, f, face, &s, &trim);
     else if (status == KN_OK)
         add(f, face, &s, &trim);
@@ -146,7 +151,7 @@ static kn_status add_face(kn_ctx *ctx, faces *f, int face, bool trims_held)
     return status;
 }
 
-static kn_status make_patches(kn_ctx *ctx, faces *f, bool trims_held)
+static kn_status make_patches(kn_ctx *ctx, faces *f, const cli_cad_options *o)
 {
     kn_status status = KN_OK;
     for (int i = 0; i < f->cad->nfaces; i++) {
@@ -156,8 +161,9 @@ static kn_status make_patches(kn_ctx *ctx, faces *f, bool trims_held)
     f->patches = kn_alloc_zero(ctx, f->room + 1, sizeof *f->patches);
     f->splines = kn_alloc_zero(ctx, f->room + 1, sizeof *f->splines);
     f->trims = kn_alloc_zero(ctx, f->room + 1, sizeof *f->trims);
-    if (!f->patches || !f->splines || !f->trims) return KN_ENOMEM;
-    for (int i = 0; status == KN_OK && i < f->cad->nfaces; i++) status = add_face(ctx, f, i, trims_held);
+    f->bounds = kn_alloc_zero(ctx, f->room + 1, sizeof *f->bounds);
+    if (!f->patches || !f->splines || !f->trims || !f->bounds) return KN_ENOMEM;
+    for (int i = 0; status == KN_OK && i < f->cad->nfaces; i++) status = add_face(ctx, f, i, o);
     return status;
 }
 
@@ -183,20 +189,22 @@ static kn_status measure(kn_ctx *ctx, faces *f, double *size, double tol)
     return status;
 }
 
-kn_status cli_stream_cad(kn_ctx *ctx, const kn_cad *cad, const char *name, bool trims_held, double mesh_tol,
+kn_status cli_stream_cad(kn_ctx *ctx, const kn_cad *cad, const char *name, const cli_cad_options *options,
                          kn_sink *sinks, int nsinks)
 {
     faces f = {.cad = cad};
     double size = 0.0;
     kn_status status = make_parts(ctx, &f, name);
-    if (status == KN_OK) status = measure(ctx, &f, &size, mesh_tol);
-    if (status == KN_OK) status = make_patches(ctx, &f, trims_held);
+    if (status == KN_OK) status = measure(ctx, &f, &size, options->mesh_tol);
+    if (status == KN_OK) status = make_patches(ctx, &f, options);
     if (status == KN_OK) status = kn_stream_patches(ctx, &f.tile, f.patches, f.npatches, size, sinks, nsinks);
     for (size_t i = 0; i < f.npatches; i++) {
         kn_spline_clear(ctx, &f.splines[i]);
         kn_trim_clear(ctx, &f.trims[i]);
     }
-    kn_free(ctx, f.patches), kn_free(ctx, f.splines), kn_free(ctx, f.trims), kn_free(ctx, f.look);
+    for (size_t i = 0; f.bounds && i <= f.room; i++) kn_free(ctx, (void *)f.bounds[i].edges);
+    kn_free(ctx, f.bounds), kn_free(ctx, f.patches), kn_free(ctx, f.splines), kn_free(ctx, f.trims),
+        kn_free(ctx, f.look);
     kn_tile_clear(ctx, &f.tile);
     return status;
 }

@@ -48,6 +48,17 @@ static kn_status name_surfaces(kn_ctx *ctx, kn_step_options *options, const cli_
     return KN_OK;
 }
 
+// The faces of a CAD file itself.
+static kn_status name_faces(kn_ctx *ctx, kn_step_options *options, const kn_cad *cad)
+{
+    const char **names = kn_scratch(ctx, (size_t)cad->nfaces, sizeof *names);
+    if (!names) return KN_ENOMEM;
+    for (int i = 0; i < cad->nfaces; i++) names[i] = cad->faces[i].name;
+    options->surface_names = names, options->nsurfaces = cad->nfaces;
+    options->plain_names = true;
+    return KN_OK;
+}
+
 static kn_status open_step_file(kn_ctx *ctx, kn_sink *out, const char *path, const cli_output_options *o,
                                 const kn_filter *filter)
 {
@@ -56,7 +67,7 @@ static kn_status open_step_file(kn_ctx *ctx, kn_sink *out, const char *path, con
     options.filter = filter;
     options.instances = o->instances;
     kn_mark mark = kn_scratch_mark(ctx);
-    kn_status status = name_surfaces(ctx, &options, o->base);
+    kn_status status = o->cad ? name_faces(ctx, &options, o->cad) : name_surfaces(ctx, &options, o->base);
     if (status == KN_OK) status = kn_step_sink(ctx, out, path, &options);
     kn_scratch_release(ctx, mark);
     return status;

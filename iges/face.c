@@ -72,20 +72,20 @@ void kn_iges_put_curve(kn_text *text, const kn_patch_curve *line, bool turned, b
 // Of one edge, in the direction of its key.
 static void put_edge(kn_text *text, kn_iges_item *item, const kn_patch_net *f, const kn_patch_side *s)
 {
-    int at = item->nedges++;
-    const kn_brep_key *ends = s->edge.vertex;
-    item->along[at] = s->along, item->edges[at] = s->edge;
-    for (int k = 0; k < 2; k++) memcpy(item->vertex[at][k], f->point + 4 * s->corner[k], sizeof item->vertex[at][k]);
+    kn_iges_edge *e = &item->edge[item->nedges++];
+    *e = (kn_iges_edge){.edge = s->edge, .along = s->along};
+    for (int k = 0; k < 2; k++) memcpy(e->vertex[k], f->point + 4 * s->corner[k], sizeof e->vertex[k]);
     size_t begin = text->bytes;
-    kn_iges_put_curve(text, &s->line, s->turned, ends[0].a == ends[1].a && ends[0].b == ends[1].b, false);
-    item->edge_lines[at] = kn_iges_count_lines(text, begin);
+    kn_iges_put_curve(text, &s->line, s->turned, kn_brep_same(s->edge.vertex[0], s->edge.vertex[1]), false);
+    e->lines = kn_iges_count_lines(text, begin);
 }
 
 kn_status kn_iges_put_face(kn_iges_written *w, const kn_patch *patch, double mm, bool edges)
 {
     kn_text *text = &w->text;
     kn_iges_item *item = &w->items[w->nitems];
-    *item = (kn_iges_item){.kind = KN_IGES_FACE, .look = patch->look, .id = patch->id, .reversed = patch->reversed};
+    *item = (kn_iges_item){.kind = KN_IGES_FACE, .look = patch->look, .id = patch->id, .body = -1};
+    item->reversed = patch->reversed;
     item->begin = text->bytes;
     kn_patch_net f;
     kn_mark mark = kn_scratch_mark(text->ctx);
@@ -110,7 +110,8 @@ kn_status kn_iges_put_line(kn_iges_written *w, const kn_patch *patch, double mm)
     kn_iges_item *item = &w->items[w->nitems];
     kn_spline s = kn_patch_spline(patch);
     kn_patch_curve line = {0};
-    *item = (kn_iges_item){.kind = KN_IGES_CURVE, .look = patch->look, .id = patch->id, .begin = text->bytes};
+    *item = (kn_iges_item){
+        .kind = KN_IGES_CURVE, .look = patch->look, .id = patch->id, .body = -1, .begin = text->bytes};
     kn_mark mark = kn_scratch_mark(ctx);
     kn_status status = kn_patch_curve_load(ctx, &line, &s, 0, mm, "IGES");
     if (status == KN_OK) {

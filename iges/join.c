@@ -205,52 +205,81 @@ static kn_status put_edge(kn_ctx *ctx, kn_iges_join *j, const kn_brep_name *name
         6);
 }
 
-// Entities of new vertices, curves and edges, in the order of their numbers.
-static kn_status put_new(kn_ctx *ctx, kn_iges_join *j, const kn_iges_item *item, const kn_brep_name *names,
-                         const char *data, uint64_t end)
+// One face of an item: its loops, and all that they have.
+typedef struct bounds {
+    const kn_iges_item *item;
+    const kn_iges_loop *loops;
+    const kn_iges_edge *edges;
+    size_t nloops;
+    int nedges;
+    const char *data; // lines of the edges' curves
+} bounds;
+
+// Entities of new vertices, then of curves and edges, in the order of their numbers.
+static kn_status put_new(kn_ctx *ctx, kn_iges_join *j, const bounds *b, const kn_brep_name *names)
 {
     kn_status status = KN_OK;
-    while (status == KN_OK && j->next < end) {
-        uint64_t before = j->next;
-        const char *curve = data;
-        for (int i = 0; i < item->nedges && status == KN_OK && j->next == before; i++) {
-            const kn_brep_name *n = &names[i];
-            for (int k = 0; k < 2 && j->next == before && status == KN_OK; k++)
-                if (n->new_vertex[k] && n->vertex[k] == before) status = put_vertex(ctx, j, item->vertex[i][k]);
-            if (n->new_edge && n->edge == before + 1)
-                status = put_written(ctx, j, 126, dependent, curve, item->edge_lines[i]);
-            else if (n->new_edge && n->edge == before)
-                status = put_edge(ctx, j, n);
-            curve += (size_t)item->edge_lines[i] * KN_IGES_LINE_BYTES;
-        }
-        if (status == KN_OK && j->next == before)
-            return kn_fail(ctx, KN_EUNDECIDED, "IGES: number %llu belongs to nothing", (unsigned long long)before);
+    for (int i = 0; i < b->nedges; i++)
+        for (int k = 0; k < 2 && status == KN_OK; k++)
+            if (names[i].new_vertex[k]) status = put_vertex(ctx, j, b->edges[i].vertex[k]);
+    const char *curve = b->data;
+    for (int i = 0; i < b->nedges && status == KN_OK; i++) {
+        const kn_iges_edge *e = &b->edges[i];
+        curve += (size_t)e->plane_lines * KN_IGES_LINE_BYTES;
+        if (names[i].new_edge) status = put_written(ctx, j, 126, dependent, curve, e->lines);
+        if (names[i].new_edge && status == KN_OK) status = put_edge(ctx, j, &names[i]);
+        curve += (size_t)e->lines * KN_IGES_LINE_BYTES;
+    }
+    return status;
+}
+
+// Curves in the plane of those edges that have one; their entities: plane[i], 0: none.
+static kn_status put_planes(kn_ctx *ctx, kn_iges_join *j, const bounds *b, uint64_t *plane)
+{
+    kn_status status = KN_OK;
+    const char *data = b->data;
+    for (int i = 0; i < b->nedges && status == KN_OK; i++) {
+        const kn_iges_edge *e = &b->edges[i];
+        plane[i] = e->plane_lines > 0 ? pointer(j->next) : 0;
+        if (e->plane_lines > 0) status = put_written(ctx, j, 126, in_plane, data, e->plane_lines);
+        data += (size_t)(e->plane_lines + e->lines) * KN_IGES_LINE_BYTES;
     }
     return status;
 }
 
 // The loop runs counterclockwise about r x t; that a patch is reversed is told where the shell lists its face.
-static kn_status put_loop(kn_ctx *ctx, kn_iges_join *j, const kn_iges_item *item, const kn_brep_name *names)
+static kn_status put_loop(kn_ctx *ctx, kn_iges_join *j, const kn_iges_edge *edges, const kn_brep_name *names,
+                          const uint64_t *plane, uint32_t n)
 {
-    uint64_t list[1 + 5 * 4] = {(uint64_t)item->nedges};
-    for (int i = 0; i < item->nedges; i++) {
-        uint64_t *at = list + 1 + 5 * i; // an edge, its list and place there, along it, no curves in the plane
-        at[0] = 0, at[1] = pointer(names[i].edge), at[2] = 1, at[3] = item->along[i], at[4] = 0;
-    }
     entity e = start(j, 508);
     e.form = 1;
-    return put_list(ctx, j, e, list, 1 + 5 * item->nedges);
+    kn_iges_put_integer(&j->parameters, 508);
+    kn_iges_put_integer(&j->parameters, n);
+    for (uint32_t i = 0; i < n; i++) { // an edge, its list and place there, along it, curves in the plane
+        kn_iges_put_integer(&j->parameters, 0);
+        kn_iges_put_integer(&j->parameters, pointer(names[i].edge));
+        kn_iges_put_integer(&j->parameters, 1);
+        kn_iges_put_integer(&j->parameters, edges[i].along);
+        kn_iges_put_integer(&j->parameters, plane[i] > 0);
+        if (plane[i] == 0) continue;
+        kn_iges_put_integer(&j->parameters, 0); // no parameter line
+        kn_iges_put_integer(&j->parameters, plane[i]);
+    }
+    kn_iges_end(&j->parameters);
+    return finish(ctx, j, &e, 0);
 }
 
-static kn_status put_face(kn_ctx *ctx, kn_iges_join *j, const kn_iges_item *item, uint64_t surface)
+// Its loops are the entities from `first` on; the first of them is the outer one.
+static kn_status put_face(kn_ctx *ctx, kn_iges_join *j, const kn_iges_item *item, uint64_t surface, uint64_t first,
+                          size_t nloops)
 {
     entity e = start(j, 510);
     e.form = 1, e.look = item->look, e.id = &item->id;
     kn_iges_put_integer(&j->parameters, 510);
     kn_iges_put_integer(&j->parameters, pointer(surface));
-    kn_iges_put_integer(&j->parameters, 1);
-    kn_iges_put_integer(&j->parameters, 1); // the first loop is the outer one
-    kn_iges_put_integer(&j->parameters, pointer(j->next - 1));
+    kn_iges_put_integer(&j->parameters, nloops);
+    kn_iges_put_integer(&j->parameters, 1); // there is an outer one
+    for (size_t i = 0; i < nloops; i++) kn_iges_put_integer(&j->parameters, pointer(first + i));
     put_property(j);
     kn_iges_end(&j->parameters);
     kn_status status = finish(ctx, j, &e, 0);
@@ -288,22 +317,35 @@ static kn_status put_shell(kn_ctx *ctx, kn_iges_join *j, int body, bool closed, 
     return status == KN_OK ? finish(ctx, j, &e, before) : status;
 }
 
-static kn_status put_solid(kn_ctx *ctx, kn_iges_join *j, const kn_iges_item *item, int body)
+// Of closed shells, the outer one first; drops them. Voids look out of what is solid, as the outer shell does.
+static kn_status put_solid(kn_ctx *ctx, kn_iges_join *j, const kn_patch_id *id, int name,
+                           const kn_closed_shell *shells, size_t n, kn_status (*put)(void *user), void *user)
 {
-    int look = kn_brep_look(j->brep, body);
-    kn_status status = put_shell(ctx, j, body, true, NULL, NULL);
-    if (status != KN_OK) return status;
-    entity e = start(j, 186);
-    e.status = independent, e.look = look >= 0 ? look / 2 : PLAIN, e.id = &item->id;
-    kn_iges_put_integer(&j->parameters, 186);
-    kn_iges_put_integer(&j->parameters, pointer(j->next - 1));
-    kn_iges_put_integer(&j->parameters, 1); // the shell looks out
-    kn_iges_put_integer(&j->parameters, 0); // voids
-    put_property(j);
-    kn_iges_end(&j->parameters);
-    status = finish(ctx, j, &e, 0);
-    if (status == KN_OK) status = put_name(ctx, j, &item->id, item->look, false);
-    kn_brep_drop(j->brep, body);
+    int look = kn_brep_look(j->brep, shells[0].brep);
+    uint64_t *shell = kn_alloc(ctx, n, sizeof *shell);
+    kn_status status = shell ? KN_OK : KN_ENOMEM;
+    for (size_t i = 0; i < n && status == KN_OK; i++) {
+        status = put_shell(ctx, j, shells[i].brep, true, put, user);
+        shell[i] = j->next - 1;
+    }
+    if (status == KN_OK) {
+        entity e = start(j, 186);
+        e.status = independent, e.look = look >= 0 ? look / 2 : PLAIN, e.id = id;
+        kn_iges_put_integer(&j->parameters, 186);
+        kn_iges_put_integer(&j->parameters, pointer(shell[0]));
+        kn_iges_put_integer(&j->parameters, 1); // the shell looks out
+        kn_iges_put_integer(&j->parameters, n - 1);
+        for (size_t i = 1; i < n; i++) {
+            kn_iges_put_integer(&j->parameters, pointer(shell[i]));
+            kn_iges_put_integer(&j->parameters, 1);
+        }
+        put_property(j);
+        kn_iges_end(&j->parameters);
+        status = finish(ctx, j, &e, 0);
+    }
+    if (status == KN_OK) status = put_name(ctx, j, id, name, false);
+    for (size_t i = 0; i < n; i++) kn_brep_drop(j->brep, shells[i].brep);
+    kn_free(ctx, shell);
     return status;
 }
 
@@ -347,14 +389,14 @@ static kn_status put_trimmed(kn_ctx *ctx, kn_iges_join *j, const kn_iges_written
     const kn_iges_loop *loops = w->loops + item->loops;
     const uint32_t *lines = w->lines + item->lines;
     uint64_t surface = j->next;
-    uint64_t *bounds = kn_alloc(ctx, item->nloops, sizeof *bounds);
-    kn_status status = bounds ? put_written(ctx, j, 128, dependent, data, item->surface_lines) : KN_ENOMEM;
+    uint64_t *boundary = kn_alloc(ctx, item->nloops, sizeof *boundary);
+    kn_status status = boundary ? put_written(ctx, j, 128, dependent, data, item->surface_lines) : KN_ENOMEM;
     data += (size_t)item->surface_lines * KN_IGES_LINE_BYTES;
     for (size_t i = 0, end = 0; i < item->nloops && status == KN_OK; i = end) {
         for (end = i; status == KN_OK && end < item->nloops && (end == i || !loops[end].outer); end++) {
             status = put_boundary(ctx, j, surface, &loops[end], lines, &data);
             lines += 2 * (size_t)loops[end].curves;
-            bounds[end] = j->next - 1;
+            boundary[end] = j->next - 1;
         }
         if (status != KN_OK) break;
         entity e = start(j, 144);
@@ -363,33 +405,89 @@ static kn_status put_trimmed(kn_ctx *ctx, kn_iges_join *j, const kn_iges_written
         kn_iges_put_integer(&j->parameters, pointer(surface));
         kn_iges_put_integer(&j->parameters, 1);
         kn_iges_put_integer(&j->parameters, end - i - 1);
-        for (size_t k = i; k < end; k++) kn_iges_put_integer(&j->parameters, pointer(bounds[k]));
+        for (size_t k = i; k < end; k++) kn_iges_put_integer(&j->parameters, pointer(boundary[k]));
         put_property(j);
         kn_iges_end(&j->parameters);
         status = finish(ctx, j, &e, 0);
         if (status == KN_OK) status = put_name(ctx, j, &item->id, item->look, true);
     }
-    kn_free(ctx, bounds);
+    kn_free(ctx, boundary);
     return status;
 }
 
 // ---- items ----
 
-static kn_status put_joined(kn_ctx *ctx, kn_iges_join *j, const kn_iges_item *item, const char *data)
+// A closed shell: a solid, or part of one of which others may come.
+static kn_status take_closed(kn_ctx *ctx, kn_iges_join *j, const kn_iges_item *item, int body)
 {
-    kn_brep_name names[4];
+    const kn_closed_shell closed = {
+        .brep = body, .body = item->body, .shell = item->shell, .look = item->look, .id = item->id};
+    if (item->body < 0) return put_solid(ctx, j, &item->id, item->look, &closed, 1, NULL, NULL);
+    return kn_closed_shells_add(ctx, &j->closed, closed);
+}
+
+static kn_status put_bounded(kn_ctx *ctx, kn_iges_join *j, const bounds *b, uint64_t surface,
+                             const kn_brep_key (*pairs)[2])
+{
+    const kn_iges_item *item = b->item;
+    size_t n = (size_t)b->nedges;
+    kn_mark mark = kn_scratch_mark(ctx);
+    kn_brep_edge *edges = kn_scratch(ctx, n, sizeof *edges);
+    kn_brep_name *names = kn_scratch(ctx, n, sizeof *names);
+    uint64_t *plane = kn_scratch(ctx, n, sizeof *plane);
     int closed = KN_BREP_NONE;
-    uint64_t surface = j->next, end = surface + 1;
+    kn_status status = edges && names && plane ? put_planes(ctx, j, b, plane) : KN_ENOMEM;
+    for (size_t i = 0; i < n && status == KN_OK; i++) edges[i] = b->edges[i].edge;
+    uint64_t end = j->next;
+    if (status == KN_OK) status = kn_brep_add(ctx, j->brep, edges, b->nedges, pairs, item->npairs, &end, names);
+    if (status == KN_OK) status = put_new(ctx, j, b, names);
+    if (status == KN_OK && j->next != end)
+        status = kn_fail(ctx, KN_EUNDECIDED, "IGES: number %llu belongs to nothing", (unsigned long long)j->next);
+    uint64_t first = j->next;
+    size_t at = 0;
+    for (size_t i = 0; i < b->nloops && status == KN_OK; i++) {
+        status = put_loop(ctx, j, b->edges + at, names + at, plane + at, b->loops[i].curves);
+        at += b->loops[i].curves;
+    }
+    uint64_t face = j->next;
+    if (status == KN_OK) status = put_face(ctx, j, item, surface, first, b->nloops);
+    if (status == KN_OK) status = kn_brep_end_face(ctx, j->brep, face, 2 * item->look + item->reversed, &closed);
+    if (status == KN_OK && closed != KN_BREP_NONE) status = take_closed(ctx, j, item, closed);
+    kn_scratch_release(ctx, mark);
+    return status;
+}
+
+static kn_status put_plain(kn_ctx *ctx, kn_iges_join *j, const kn_iges_item *item, const char *data)
+{
+    uint64_t surface = j->next;
+    const kn_iges_loop loop = {.curves = (uint32_t)item->nedges, .outer = true};
     kn_status status = put_written(ctx, j, 128, dependent, data, item->surface_lines);
     data += (size_t)item->surface_lines * KN_IGES_LINE_BYTES;
-    if (status == KN_OK)
-        status = kn_brep_add(ctx, j->brep, item->edges, item->nedges, item->pair, item->npairs, &end, names);
-    if (status == KN_OK) status = put_new(ctx, j, item, names, data, end);
-    if (status == KN_OK) status = put_loop(ctx, j, item, names);
-    uint64_t face = j->next;
-    if (status == KN_OK) status = put_face(ctx, j, item, surface);
-    if (status == KN_OK) status = kn_brep_end_face(ctx, j->brep, face, 2 * item->look + item->reversed, &closed);
-    return status == KN_OK && closed != KN_BREP_NONE ? put_solid(ctx, j, item, closed) : status;
+    const bounds b = {item, &loop, item->edge, 1, item->nedges, data};
+    return status == KN_OK ? put_bounded(ctx, j, &b, surface, item->pair) : status;
+}
+
+// A face for each outer loop, with its holes.
+static kn_status put_joined(kn_ctx *ctx, kn_iges_join *j, const kn_iges_written *w, const kn_iges_item *item)
+{
+    const char *data = w->text.data + item->begin;
+    const kn_iges_loop *loop = w->loops + item->loops, *end = loop + item->nloops;
+    uint64_t surface = j->next;
+    kn_status status = put_written(ctx, j, 128, dependent, data, item->surface_lines);
+    bounds b = {.item = item, .edges = w->edges + item->edges};
+    b.data = data + (size_t)item->surface_lines * KN_IGES_LINE_BYTES;
+    while (loop < end && status == KN_OK) {
+        b.loops = loop, b.nloops = 0, b.nedges = 0;
+        do {
+            b.nedges += (int)loop->curves;
+            b.nloops++, loop++;
+        } while (loop < end && !loop->outer);
+        status = put_bounded(ctx, j, &b, surface, (const kn_brep_key(*)[2])(w->pairs + item->pairs));
+        for (int i = 0; i < b.nedges; i++)
+            b.data += (size_t)(b.edges[i].plane_lines + b.edges[i].lines) * KN_IGES_LINE_BYTES;
+        b.edges += b.nedges;
+    }
+    return status;
 }
 
 kn_status kn_iges_join_item(kn_ctx *ctx, kn_iges_join *j, const kn_iges_written *w, const kn_iges_item *item)
@@ -398,13 +496,19 @@ kn_status kn_iges_join_item(kn_ctx *ctx, kn_iges_join *j, const kn_iges_written 
     kn_status status = need_colour(ctx, j, item->look);
     if (status != KN_OK) return status;
     if (item->kind == KN_IGES_CURVE) return put_alone(ctx, j, 126, item, data);
-    if (item->kind == KN_IGES_TRIMMED) return put_trimmed(ctx, j, w, item);
-    return item->nedges > 0 ? put_joined(ctx, j, item, data) : put_alone(ctx, j, 128, item, data);
+    if (item->kind == KN_IGES_TRIMMED)
+        return j->surfaces ? put_trimmed(ctx, j, w, item) : put_joined(ctx, j, w, item);
+    return item->nedges > 0 ? put_plain(ctx, j, item, data) : put_alone(ctx, j, 128, item, data);
 }
 
 kn_status kn_iges_join_end(kn_ctx *ctx, kn_iges_join *j, kn_status (*put)(void *user), void *user)
 {
     kn_status status = KN_OK;
+    kn_closed_shells_sort(&j->closed);
+    for (size_t at = 0, n = 0; status == KN_OK && kn_closed_shells_next(&j->closed, &at, &n);) {
+        const kn_closed_shell *first = &j->closed.list[at];
+        status = put_solid(ctx, j, &first->id, first->look, first, n, put, user);
+    }
     for (int body = KN_BREP_NONE; status == KN_OK && kn_brep_next_body(j->brep, &body);) {
         status = put_shell(ctx, j, body, false, put, user);
         if (status == KN_OK && j->parameters.bytes + j->directory.bytes > LONG_TEXT) status = put(user);
@@ -431,6 +535,7 @@ kn_status kn_iges_join_begin(kn_ctx *ctx, kn_iges_join *j, const kn_tile *tile)
 void kn_iges_join_clear(kn_ctx *ctx, kn_iges_join *j)
 {
     kn_brep_destroy(ctx, j->brep);
+    kn_closed_shells_clear(ctx, &j->closed);
     j->directory.ctx = j->parameters.ctx = ctx;
     kn_text_clear(&j->directory);
     kn_text_clear(&j->parameters);
@@ -445,6 +550,7 @@ void kn_iges_join_save(const kn_iges_join *j, kn_state *state)
     kn_state_put(state, &j->next, sizeof j->next);
     kn_state_put(state, &j->lines, sizeof j->lines);
     for (int i = 0; i < j->nlooks; i++) kn_state_put(state, &j->looks[i].colour, sizeof j->looks[i].colour);
+    kn_closed_shells_save(&j->closed, state);
     kn_brep_save(j->brep, state);
 }
 
@@ -453,5 +559,7 @@ kn_status kn_iges_join_restore(kn_ctx *ctx, kn_iges_join *j, kn_state_reader *r)
     bool good = kn_state_take(r, &j->next, sizeof j->next) && kn_state_take(r, &j->lines, sizeof j->lines);
     for (int i = 0; i < j->nlooks && good; i++)
         good = kn_state_take(r, &j->looks[i].colour, sizeof j->looks[i].colour);
-    return good ? kn_brep_restore(ctx, j->brep, r) : kn_state_fail(ctx, "IGES");
+    if (!good) return kn_state_fail(ctx, "IGES");
+    kn_status status = kn_closed_shells_restore(ctx, &j->closed, r, "IGES");
+    return status == KN_OK ? kn_brep_restore(ctx, j->brep, r) : status;
 }

@@ -72,8 +72,8 @@ static kn_status put_patch(void *user, const kn_patch *patch)
     const iges *s = ((writing *)user)->s;
     kn_iges_written *w = ((writing *)user)->w;
     if (kn_patch_nvars(patch) == 1) return kn_iges_put_line(w, patch, s->unit_mm);
-    return patch->trim ? kn_iges_put_trimmed(w, patch, s->unit_mm)
-                       : kn_iges_put_face(w, patch, s->unit_mm, !s->join.surfaces);
+    return patch->trim && patch->trim->nloops > 0 ? kn_iges_put_trimmed(w, patch, s->unit_mm, !s->join.surfaces)
+                                                  : kn_iges_put_face(w, patch, s->unit_mm, !s->join.surfaces);
 }
 
 static void iges_discard(kn_ctx *ctx, void *user, void *product)
@@ -86,6 +86,8 @@ static void iges_discard(kn_ctx *ctx, void *user, void *product)
     kn_free(ctx, w->items);
     kn_free(ctx, w->loops);
     kn_free(ctx, w->lines);
+    kn_free(ctx, w->edges);
+    kn_free(ctx, w->pairs);
     kn_free(ctx, w);
 }
 

@@ -5,152 +5,134 @@
 #include "io/trim_edges.h"
 #include "kernel/context.h"
 
-// Loops of a trim as trimmed surfaces need them: each outer one with the holes in it.
-typedef struct loops {
-    const kn_trim *trim;
-    const kn_trim_edge *edges;
-    int *outer; // the outer loop of each, itself where it is one
-} loops;
+#include <string.h>
 
-static int first_of(const kn_trim *trim, int loop)
+static kn_status grow(kn_ctx *ctx, void **list, size_t *room, size_t n, size_t size)
 {
-    return loop > 0 ? trim->loop_end[loop - 1] : 0;
-}
-
-// Whether the ray from p upwards in the second variable meets loop's polylines an odd number of times.
-static bool contains(const loops *l, int loop, const double *p)
-{
-    bool inside = false;
-    for (int k = first_of(l->trim, loop); k < l->trim->loop_end[loop]; k++)
-        for (int i = 0; i + 1 < l->edges[k].plane.axis.n; i++) {
-            const double *a = l->edges[k].plane.point + 4 * i, *b = a + 4;
-            if ((a[0] > p[0]) == (b[0] > p[0])) continue;
-            if (a[1] + (p[0] - a[0]) / (b[0] - a[0]) * (b[1] - a[1]) > p[1]) inside = !inside;
-        }
-    return inside;
-}
-
-// The smallest outer loop that a hole is in; the first outer one where rounding hides that.
-static void assign(loops *l)
-{
-    const kn_trim *trim = l->trim;
-    for (int i = 0; i < trim->nloops; i++) {
-        double least = 0.0;
-        l->outer[i] = i;
-        if (kn_trim_edges_area(l->edges, first_of(trim, i), trim->loop_end[i]) > 0.0) continue;
-        l->outer[i] = -1;
-        for (int k = 0; k < trim->nloops; k++) {
-            double area = kn_trim_edges_area(l->edges, first_of(trim, k), trim->loop_end[k]);
-            if (!(area > 0.0)) continue;
-            bool in = contains(l, k, l->edges[first_of(trim, i)].plane.point);
-            if (l->outer[i] >= 0 && !(in && (least == 0.0 || area < least))) continue;
-            l->outer[i] = k;
-            least = in ? area : 0.0;
-        }
-    }
-}
-
-// ---- lists ----
-
-static kn_status add_loop(kn_iges_written *w, kn_iges_loop loop)
-{
-    if (w->nloops == w->loop_room) {
-        size_t room = w->loop_room > 0 ? 2 * w->loop_room : 16;
-        kn_iges_loop *more = kn_resize(w->text.ctx, w->loops, room, sizeof *more);
-        if (!more) return KN_ENOMEM;
-        w->loops = more, w->loop_room = room;
-    }
-    w->loops[w->nloops++] = loop;
+    if (n <= *room) return KN_OK;
+    size_t wanted = 2 * *room > n ? 2 * *room : n + 16;
+    void *more = kn_resize(ctx, *list, wanted, size);
+    if (!more) return KN_ENOMEM;
+    *list = more, *room = wanted;
     return KN_OK;
 }
 
-static kn_status add_lines(kn_iges_written *w, uint32_t lines)
+// Room for all that one trim may have.
+static kn_status reserve(kn_iges_written *w, const kn_trim_edges *t, const kn_trim *trim)
 {
-    if (w->nlines == w->line_room) {
-        size_t room = w->line_room > 0 ? 2 * w->line_room : 64;
-        uint32_t *more = kn_resize(w->text.ctx, w->lines, room, sizeof *more);
-        if (!more) return KN_ENOMEM;
-        w->lines = more, w->line_room = room;
-    }
-    w->lines[w->nlines++] = lines;
-    return KN_OK;
+    kn_ctx *ctx = w->text.ctx;
+    size_t n = (size_t)trim->ncurves;
+    void *loops = w->loops, *lines = w->lines, *edges = w->edges, *pairs = w->pairs;
+    kn_status status = grow(ctx, &loops, &w->loop_room, w->nloops + (size_t)t->nloops, sizeof *w->loops);
+    if (status == KN_OK) status = grow(ctx, &lines, &w->line_room, w->nlines + 2 * n, sizeof *w->lines);
+    if (status == KN_OK) status = grow(ctx, &edges, &w->edge_room, w->nedges + n, sizeof *w->edges);
+    if (status == KN_OK) status = grow(ctx, &pairs, &w->pair_room, w->npairs + KN_BREP_PAIRS, sizeof *w->pairs);
+    w->loops = loops, w->lines = lines, w->edges = edges, w->pairs = pairs;
+    return status;
 }
-
-// ---- text ----
 
 // The same curve in the plane of (t,r), in scratch.
-static kn_status swap_plane(kn_ctx *ctx, kn_trim_edge *e)
+static kn_status swap_plane(kn_ctx *ctx, kn_patch_curve *plane)
 {
-    int n = e->plane.axis.n;
+    int n = plane->axis.n;
     double *p = kn_scratch(ctx, (size_t)n, 4 * sizeof *p);
     if (!p) return KN_ENOMEM;
     for (int k = 0; k < n; k++) {
-        const double *from = e->plane.point + 4 * k;
+        const double *from = plane->point + k * plane->step;
         p[4 * k] = from[1], p[4 * k + 1] = from[0], p[4 * k + 2] = from[2], p[4 * k + 3] = from[3];
     }
-    e->plane.point = p;
+    plane->point = p, plane->step = 4;
     return KN_OK;
 }
 
-// Curves that are points are left out: there is nothing of them in space. turned: all run the other way.
-static kn_status put_loop(kn_iges_written *w, kn_iges_item *item, const loops *l, int loop, bool turned)
+// Without shells. Curves that are points are left out: there is nothing of them in space. back: the loop runs the other
+// way.
+static void put_loop(kn_iges_written *w, const kn_trim_edges *t, const kn_trim_loop *loop, bool back)
 {
-    int first = first_of(l->trim, loop), n = l->trim->loop_end[loop] - first;
-    kn_iges_loop out = {.outer = l->outer[loop] == loop};
-    kn_status status = KN_OK;
+    int n = loop->last - loop->first;
+    kn_iges_loop *out = &w->loops[w->nloops++];
+    *out = (kn_iges_loop){.outer = loop->outer};
     for (int space = 0; space < 2; space++)
-        for (int k = 0; k < n && status == KN_OK; k++) {
-            const kn_trim_edge *e = &l->edges[first + (turned ? n - 1 - k : k)];
+        for (int k = 0; k < n; k++) {
+            const kn_trim_edge *e = &t->edge[loop->first + (back ? n - 1 - k : k)];
             size_t begin = w->text.bytes;
             if (e->collapsed) continue;
-            kn_iges_put_curve(&w->text, space ? &e->space : &e->plane, turned, false, !space);
-            status = add_lines(w, kn_iges_count_lines(&w->text, begin));
-            out.curves += (uint32_t)space;
+            kn_iges_put_curve(&w->text, space ? &e->space : &e->plane, back != e->against, false, !space);
+            w->lines[w->nlines++] = kn_iges_count_lines(&w->text, begin);
+            out->curves += (uint32_t)space;
         }
-    if (status == KN_OK && out.curves > 0) {
-        status = add_loop(w, out);
-        item->nloops++;
-    }
-    return status;
 }
 
-static kn_status put_loops(kn_iges_written *w, kn_iges_item *item, const loops *l, bool turned)
+// Readers split curves at their corners, each one by itself: beside a curve in space they would not know which part of the
+// one in the plane is which.
+static bool is_smooth(const kn_patch_axis *x)
 {
-    kn_status status = KN_OK;
-    for (int i = 0; i < l->trim->nloops && status == KN_OK; i++) {
-        if (l->outer[i] != i) continue;
-        status = put_loop(w, item, l, i, turned);
-        for (int k = 0; k < l->trim->nloops && status == KN_OK; k++)
-            if (k != i && l->outer[k] == i) status = put_loop(w, item, l, k, turned);
+    for (int k = 1; k + 1 < x->nbreaks; k++)
+        if (x->times[k] >= x->degree) return false;
+    return true;
+}
+
+// With shells: each edge along its key.
+static void put_edges(kn_iges_written *w, const kn_trim_edges *t, const kn_trim_loop *loop)
+{
+    kn_iges_loop *out = &w->loops[w->nloops++];
+    *out = (kn_iges_loop){.outer = loop->outer};
+    for (int k = loop->first; k < loop->last; k++) {
+        const kn_trim_edge *e = &t->edge[k];
+        if (e->collapsed) continue;
+        kn_iges_edge *edge = &w->edges[w->nedges++];
+        *edge = (kn_iges_edge){.edge = e->edge, .along = e->against == e->turned};
+        memcpy(edge->vertex, e->at, sizeof edge->vertex);
+        size_t begin = w->text.bytes;
+        if (is_smooth(&e->plane.axis) && is_smooth(&e->space.axis)) {
+            kn_iges_put_curve(&w->text, &e->plane, e->turned, false, true);
+            edge->plane_lines = kn_iges_count_lines(&w->text, begin);
+        }
+        begin = w->text.bytes;
+        kn_iges_put_curve(&w->text, &e->space, e->turned, kn_brep_same(e->edge.vertex[0], e->edge.vertex[1]), false);
+        edge->lines = kn_iges_count_lines(&w->text, begin);
+        out->curves++;
     }
+}
+
+static kn_status put_all(kn_iges_written *w, kn_iges_item *item, kn_trim_edges *t, const kn_patch *patch,
+                         const kn_patch_net *net, bool edges)
+{
+    bool turned = patch->reversed && !edges; // a shell tells it of its face
+    kn_status status = KN_OK;
+    kn_iges_put_surface(&w->text, net, turned);
+    item->surface_lines = kn_iges_count_lines(&w->text, item->begin);
+    for (int k = 0; k < patch->trim->ncurves && status == KN_OK && turned; k++)
+        status = swap_plane(w->text.ctx, &t->edge[k].plane);
+    item->loops = w->nloops, item->nloops = (size_t)t->nloops, item->lines = w->nlines, item->edges = w->nedges;
+    for (int i = 0; i < t->nloops && status == KN_OK; i++) {
+        if (edges)
+            put_edges(w, t, &t->loop[i]);
+        else
+            put_loop(w, t, &t->loop[i], turned);
+    }
+    size_t pairs = t->npairs < KN_BREP_PAIRS ? (size_t)t->npairs : KN_BREP_PAIRS;
+    item->pairs = w->npairs, item->npairs = t->npairs;
+    memcpy(w->pairs + w->npairs, t->pair, pairs * sizeof *t->pair);
+    w->npairs += pairs;
     return status;
 }
 
-kn_status kn_iges_put_trimmed(kn_iges_written *w, const kn_patch *patch, double mm)
+kn_status kn_iges_put_trimmed(kn_iges_written *w, const kn_patch *patch, double mm, bool edges)
 {
     kn_ctx *ctx = w->text.ctx;
-    const kn_trim *trim = patch->trim;
     kn_iges_item *item = &w->items[w->nitems];
-    *item = (kn_iges_item){
-        .kind = KN_IGES_TRIMMED, .look = patch->look, .id = patch->id, .reversed = patch->reversed};
-    item->begin = w->text.bytes, item->loops = w->nloops, item->lines = w->nlines;
+    *item = (kn_iges_item){.kind = KN_IGES_TRIMMED, .look = patch->look, .id = patch->id, .body = -1};
+    item->reversed = patch->reversed, item->begin = w->text.bytes;
+    if (patch->bounds) item->body = patch->bounds->body, item->shell = patch->bounds->shell;
     kn_patch_net net;
-    kn_trim_edge *edges = NULL;
+    kn_trim_edges t;
     kn_mark mark = kn_scratch_mark(ctx);
-    loops l = {.trim = trim, .outer = kn_scratch(ctx, (size_t)trim->nloops, sizeof *l.outer)};
-    kn_status status = l.outer ? kn_patch_net_load(ctx, &net, patch, mm, "IGES") : KN_ENOMEM;
-    if (status == KN_OK) status = kn_trim_edges(ctx, &edges, patch, &net, mm, "IGES");
-    if (status == KN_OK) {
-        l.edges = edges;
-        assign(&l);
-        kn_iges_put_surface(&w->text, &net, patch->reversed);
-        item->surface_lines = kn_iges_count_lines(&w->text, item->begin);
-    }
-    for (int k = 0; k < trim->ncurves && status == KN_OK && patch->reversed; k++) status = swap_plane(ctx, &edges[k]);
-    if (status == KN_OK) {
-        status = put_loops(w, item, &l, patch->reversed);
-        w->nitems++;
-    }
+    kn_status status = kn_patch_net_load(ctx, &net, patch, mm, "IGES");
+    if (status == KN_OK) status = kn_trim_edges_load(ctx, &t, patch, &net, mm, "IGES");
+    if (status == KN_OK) status = reserve(w, &t, patch->trim);
+    if (status == KN_OK) status = put_all(w, item, &t, patch, &net, edges);
+    if (status == KN_OK) w->nitems++;
     kn_scratch_release(ctx, mark);
     return status == KN_OK && w->text.failed ? KN_ENOMEM : status;
 }

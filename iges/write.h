@@ -12,6 +12,7 @@
 #include <knurl/job.h>
 
 #include "io/brep.h"
+#include "io/closed_shells.h"
 #include "io/patch_net.h"
 #include "io/text_buffer.h"
 
@@ -40,8 +41,16 @@ typedef enum kn_iges_kind {
     KN_IGES_CURVE,
 } kn_iges_kind;
 
+// An edge of a face. Its lines: those of its curve in the plane, then those of the one in space, both along its key.
+typedef struct kn_iges_edge {
+    kn_brep_edge edge;
+    bool along;          // the loop runs along the curve
+    double vertex[2][3]; // where the curve starts and ends
+    uint32_t plane_lines, lines;
+} kn_iges_edge;
+
 typedef struct kn_iges_loop {
-    uint32_t curves; // those in the plane come first, then those in space
+    uint32_t curves; // without shells those in the plane come first, then those in space
     bool outer;      // the holes in it follow
 } kn_iges_loop;
 
@@ -50,19 +59,17 @@ typedef struct kn_iges_item {
     kn_iges_kind kind;
     int look;
     kn_patch_id id;
+    int body, shell; // as kn_patch_bounds; body -1: not told
     bool reversed;
     size_t begin;
     uint32_t surface_lines;
     // Of a plain face, the edges that are no points, in the order of its loop.
     int nedges;
-    uint32_t edge_lines[4];
-    bool along[4]; // the loop runs along the curve
-    kn_brep_edge edges[4];
-    double vertex[4][2][3]; // where the curve starts and ends
+    kn_iges_edge edge[4];
     kn_brep_key pair[4][2];
     int npairs;
-    // Of a trimmed one.
-    size_t loops, nloops, lines; // the first ones in the lists of kn_iges_written
+    // Of a trimmed one: the first ones in the lists of kn_iges_written, how many loops.
+    size_t loops, nloops, lines, edges, pairs;
 } kn_iges_item;
 
 // What a thread makes of a block.
@@ -71,14 +78,16 @@ typedef struct kn_iges_written {
     kn_iges_item *items;
     size_t nitems;
     kn_iges_loop *loops;
-    uint32_t *lines; // of each curve of a trimmed face
-    size_t nloops, loop_room, nlines, line_room;
+    uint32_t *lines;     // without shells, of each curve of a trimmed face
+    kn_iges_edge *edges; // else its edges
+    kn_brep_key (*pairs)[2];
+    size_t nloops, loop_room, nlines, line_room, nedges, edge_room, npairs, pair_room;
 } kn_iges_written;
 
 // Appends an item and its lines.
 // fails: KN_EUNDEFINED (a weight that is not positive, a control point that is not finite), KN_ENOMEM.
 KN_CHECKED kn_status kn_iges_put_face(kn_iges_written *w, const kn_patch *patch, double mm, bool edges);
-KN_CHECKED kn_status kn_iges_put_trimmed(kn_iges_written *w, const kn_patch *patch, double mm);
+KN_CHECKED kn_status kn_iges_put_trimmed(kn_iges_written *w, const kn_patch *patch, double mm, bool edges);
 KN_CHECKED kn_status kn_iges_put_line(kn_iges_written *w, const kn_patch *patch, double mm);
 // turned: round, so that its normal looks to the other side.
 void kn_iges_put_surface(kn_text *text, const kn_patch_net *f, bool turned);
@@ -101,6 +110,7 @@ typedef struct kn_iges_join {
     kn_iges_look *looks;
     int nlooks;
     bool surfaces;
+    kn_closed_shells closed;
 } kn_iges_join;
 
 kn_status kn_iges_join_begin(kn_ctx *ctx, kn_iges_join *j, const kn_tile *tile);

@@ -213,12 +213,12 @@ static uint32_t unite(kn_brep *b, uint32_t one, uint32_t two)
 // ---- faces ----
 
 // The vertex of a key, or of the other end of a collapsed edge.
-static const entry *vertex_of(const kn_brep *b, kn_brep_key key, const kn_brep_key (*pairs)[2], int npairs)
+static const entry *vertex_of(const table *vertices, kn_brep_key key, const kn_brep_key (*pairs)[2], int npairs)
 {
-    const entry *v = find(&b->vertices, key);
+    const entry *v = find(vertices, key);
     for (int i = 0; i < npairs && !v; i++)
         for (int k = 0; k < 2 && !v; k++)
-            if (kn_brep_same(pairs[i][k], key)) v = find(&b->vertices, pairs[i][1 - k]);
+            if (kn_brep_same(pairs[i][k], key)) v = find(vertices, pairs[i][1 - k]);
     return v;
 }
 
@@ -229,7 +229,7 @@ static kn_status take_vertices(kn_ctx *ctx, kn_brep *b, const kn_brep_edge *e, c
         entry *v = find(&b->vertices, e->vertex[k]);
         name->new_vertex[k] = false;
         if (!v) {
-            const entry *other = vertex_of(b, e->vertex[k], pairs, npairs);
+            const entry *other = vertex_of(&b->vertices, e->vertex[k], pairs, npairs);
             name->new_vertex[k] = other == NULL;
             entry fresh = {.key = e->vertex[k], .number = other ? other->number : (*next)++, .uses = 1};
             kn_status status = insert(ctx, &b->vertices, &fresh, &v);
@@ -256,22 +256,77 @@ static void join(kn_brep *b, const kn_brep_edge *e, entry *waiting, uint32_t *at
 }
 
 // Nothing of the face is shared: vertices along its boundary by their keys alone.
-static void name_alone(const kn_brep_edge *edges, int n, uint64_t *next, kn_brep_name *names)
+static kn_status name_alone(kn_ctx *ctx, const kn_brep_edge *edges, int n, const kn_brep_key (*pairs)[2], int npairs,
+                            uint64_t *next, kn_brep_name *names)
 {
-    for (int i = 0; i < n; i++) {
-        for (int k = 0; k < 2; k++) {
-            names[i].new_vertex[k] = true;
-            for (int j = 0; j < 2 * i + k && names[i].new_vertex[k]; j++)
-                if (kn_brep_same(edges[j / 2].vertex[j % 2], edges[i].vertex[k])) {
-                    names[i].vertex[k] = names[j / 2].vertex[j % 2];
-                    names[i].new_vertex[k] = false;
-                }
-            if (names[i].new_vertex[k]) names[i].vertex[k] = (*next)++;
+    table known = {0};
+    kn_status status = KN_OK;
+    if (npairs > KN_BREP_PAIRS) npairs = KN_BREP_PAIRS;
+    for (int i = 0; i < n && status == KN_OK; i++) {
+        for (int k = 0; k < 2 && status == KN_OK; k++) {
+            const entry *v = vertex_of(&known, edges[i].vertex[k], pairs, npairs);
+            names[i].new_vertex[k] = v == NULL;
+            names[i].vertex[k] = v ? v->number : (*next)++;
+            entry fresh = {.key = edges[i].vertex[k], .number = names[i].vertex[k], .uses = 1};
+            if (!find(&known, fresh.key)) status = insert(ctx, &known, &fresh, NULL);
         }
+    }
+    for (int i = 0; i < n; i++) {
         *next += 2;
         names[i].edge = *next - 1, names[i].new_edge = names[i].last = true, names[i].against = names[i].seam = false;
         names[i].pcurve[0] = edges[i].pcurve, names[i].pcurve[1] = 0;
     }
+    kn_free(ctx, known.entries);
+    return status;
+}
+
+// Edge i, which nobody waits for: it waits from now on, by names[i] until wait_on. A seam's second use ends that.
+static kn_status begin_edge(kn_ctx *ctx, kn_brep *b, const kn_brep_edge *edges, int i, uint32_t at, uint64_t *next,
+                            kn_brep_name *names)
+{
+    entry *twin = find(&b->edges, edges[i].key);
+    if (twin) {
+        kn_brep_name *first = &names[twin->vertex[0]], *second = &names[i];
+        second->edge = first->edge, second->new_edge = false;
+        first->last = first->seam = true;
+        first->pcurve[1] = edges[i].pcurve;
+        if (twin->forward == edges[i].forward) b->bodies[at].odd = true;
+        take_out(&b->edges, twin);
+        return KN_OK;
+    }
+    *next += 2;
+    names[i].edge = *next - 1;
+    entry fresh = {.key = edges[i].key, .number = names[i].edge, .body = at, .uses = 1, .vertex = {(uint32_t)i, 0}};
+    fresh.forward = edges[i].forward, fresh.pcurve = (uint32_t)edges[i].pcurve;
+    return insert(ctx, &b->edges, &fresh, NULL);
+}
+
+static kn_status wait_on(kn_ctx *ctx, kn_brep *b, const kn_brep_edge *edge, uint32_t at, const kn_brep_name *name)
+{
+    entry *e = find(&b->edges, edge->key);
+    kn_status status = KN_OK;
+    for (int k = 0; k < 2 && status == KN_OK; k++) {
+        entry *v = find(&b->vertices, edge->vertex[k]);
+        entry fresh = {.key = edge->vertex[k], .number = name->vertex[k], .uses = 1};
+        e->vertex[k] = (uint32_t)name->vertex[k];
+        if (v)
+            v->uses++;
+        else // gone with an edge that had other vertices
+            status = insert(ctx, &b->vertices, &fresh, NULL);
+    }
+    b->bodies[at].waiting++, b->bodies[at].refs++;
+    return status;
+}
+
+// Whether an edge that is a point joins two vertices that have numbers already, or there are too many of them.
+static bool contradicts(const kn_brep *b, const kn_brep_key (*pairs)[2], int npairs)
+{
+    if (npairs > KN_BREP_PAIRS) return true;
+    for (int i = 0; i < npairs; i++) {
+        const entry *one = find(&b->vertices, pairs[i][0]), *two = find(&b->vertices, pairs[i][1]);
+        if (one && two && one->number != two->number) return true;
+    }
+    return false;
 }
 
 kn_status kn_brep_add(kn_ctx *ctx, kn_brep *b, const kn_brep_edge *edges, int n, const kn_brep_key (*pairs)[2],
@@ -279,11 +334,9 @@ kn_status kn_brep_add(kn_ctx *ctx, kn_brep *b, const kn_brep_edge *edges, int n,
 {
     uint32_t at = NONE;
     kn_status status = KN_OK;
-    for (int i = 0; i < npairs; i++) {
-        const entry *one = find(&b->vertices, pairs[i][0]), *two = find(&b->vertices, pairs[i][1]);
-        if (!one || !two || one->number == two->number) continue;
-        name_alone(edges, n, next, names);
-        status = new_body(ctx, b, &b->face);
+    if (contradicts(b, pairs, npairs)) {
+        status = name_alone(ctx, edges, n, pairs, npairs, next, names);
+        if (status == KN_OK) status = new_body(ctx, b, &b->face);
         if (status == KN_OK) b->bodies[b->face].odd = true;
         return status;
     }
@@ -300,27 +353,10 @@ kn_status kn_brep_add(kn_ctx *ctx, kn_brep *b, const kn_brep_edge *edges, int n,
         if (waiting) join(b, &edges[i], waiting, &at);
     }
     if (status == KN_OK && at == NONE) status = new_body(ctx, b, &at);
-    for (int i = 0; i < n && status == KN_OK; i++) {
-        if (!names[i].new_edge) continue;
-        int twin = i + 1;
-        while (twin < n && !(names[twin].new_edge && kn_brep_same(edges[twin].key, edges[i].key))) twin++;
-        *next += 2;
-        names[i].edge = *next - 1;
-        if (twin < n) { // a seam
-            names[twin].edge = names[i].edge, names[twin].new_edge = false;
-            names[i].last = names[i].seam = true;
-            names[i].pcurve[1] = edges[twin].pcurve;
-            if (edges[twin].forward == edges[i].forward) b->bodies[at].odd = true;
-            continue;
-        }
-        entry fresh = {
-            .key = edges[i].key, .number = names[i].edge, .body = at, .uses = 1, .forward = edges[i].forward};
-        for (int k = 0; k < 2; k++) fresh.vertex[k] = (uint32_t)names[i].vertex[k];
-        fresh.pcurve = (uint32_t)edges[i].pcurve;
-        status = insert(ctx, &b->edges, &fresh, NULL);
-        for (int k = 0; k < 2 && status == KN_OK; k++) find(&b->vertices, edges[i].vertex[k])->uses++;
-        b->bodies[at].waiting++, b->bodies[at].refs++;
-    }
+    for (int i = 0; i < n && status == KN_OK; i++)
+        if (names[i].new_edge) status = begin_edge(ctx, b, edges, i, at, next, names);
+    for (int i = 0; i < n && status == KN_OK; i++)
+        if (names[i].new_edge && !names[i].last) status = wait_on(ctx, b, &edges[i], at, &names[i]);
     for (int i = 0; i < n && status == KN_OK; i++)
         for (int k = 0; k < 2; k++) release_vertex(b, edges[i].vertex[k]);
     b->face = at;

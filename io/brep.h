@@ -46,16 +46,17 @@ typedef struct kn_brep_name {
     uint64_t pcurve[2]; // of the faces that use it, as far as they have one
 } kn_brep_name;
 
-enum { KN_BREP_NONE = -1 };
+enum { KN_BREP_NONE = -1, KN_BREP_PAIRS = 64 };
 
 typedef struct kn_brep kn_brep;
 kn_status kn_brep_create(kn_ctx *ctx, kn_brep **out);
 void kn_brep_destroy(kn_ctx *ctx, kn_brep *b); // NULL is fine
 
-// One more face with n edges. names[i]: of edges[i]; a new vertex takes one number from *next on, a new edge two: its
-// curve's is the one before. Equal edges of one face (a seam) become one. The face's own number is told afterwards.
+// One more face with n edges. names[i]: of edges[i]; new vertices take one number each from *next on, in their order, then
+// new edges two each: its curve's is the one before. Equal edges of one face (a seam) become one. The face's own number is told afterwards.
 // pairs: npairs of vertices that are one, because an edge between them is a point. Where both have numbers already, and
-// different ones, the face stands alone: its names are new, and its body is never closed.
+// different ones, or where there are more than KN_BREP_PAIRS (others are then not read), the face stands alone: its names
+// are new, and its body is never closed.
 // fails: KN_ENOMEM, KN_ELIMIT; the file is lost then.
 kn_status kn_brep_add(kn_ctx *ctx, kn_brep *b, const kn_brep_edge *edges, int n, const kn_brep_key (*pairs)[2],
                       int npairs, uint64_t *next, kn_brep_name *names);

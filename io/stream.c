@@ -31,6 +31,7 @@ static void count_patch(kn_job_report *r, const kn_patch *patch)
     if (s.nvars == 2) r->triangles += 2 * n[0] * n[1];
     if (s.nvars == 3) r->triangles += 4 * (n[0] * n[1] + n[0] * n[2] + n[1] * n[2]);
     if (!patch->trim) return;
+    if (patch->bounds && patch->bounds->error > r->edge_error) r->edge_error = patch->bounds->error;
     size_t spans = 0;
     for (int i = 0; i < patch->trim->ncurves; i++)
         spans += (size_t)kn_spline_spans(&patch->trim->curves[i], 0) * (patch->trim->curves[i].degree[0] > 1 ? 8 : 1);

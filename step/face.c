@@ -78,19 +78,18 @@ void kn_step_put_surface(kn_text *text, const kn_patch_net *f)
 
 // ---- edges ----
 
-// Those that are no points.
-static void take_edges(kn_step_item *item, const kn_patch_net *f)
+// Those that are no points. e: which of the four each is.
+static void take_edges(kn_step_item *item, const kn_patch_net *f, int e[4])
 {
     memcpy(item->pair, f->pair, sizeof item->pair);
     item->npairs = f->npairs;
-    for (int e = 0; e < 4; e++) {
-        const kn_patch_side *s = &f->side[e];
+    for (int k = 0; k < 4; k++) {
+        const kn_patch_side *s = &f->side[k];
         if (s->collapsed) continue;
-        int at = item->nedges++;
-        item->edge[at] = e;
-        item->along[at] = s->along;
-        item->edges[at] = s->edge;
-        for (int k = 0; k < 2; k++) item->corner[at][k] = (uint32_t)s->corner[k];
+        e[item->nedges] = k;
+        kn_step_edge *edge = &item->edge[item->nedges++];
+        *edge = (kn_step_edge){.edge = s->edge, .along = s->along, .corners = true};
+        for (int i = 0; i < 2; i++) edge->corner[i] = (uint32_t)s->corner[i];
     }
 }
 
@@ -113,6 +112,11 @@ void kn_step_name(char name[KN_STEP_NAME_BYTES], const kn_step_naming *naming, c
 {
     size_t room = (size_t)KN_STEP_NAME_BYTES;
     const char *surface = id->surface >= 0 && id->surface < naming->nsurfaces ? naming->surfaces[id->surface] : "";
+    if (naming->plain) {
+        int length = snprintf(name, room, "%.*s", KN_NAME_BYTES - 1, face ? surface : part);
+        if (face && naming->mark && !exact) snprintf(name + length, room - (size_t)length, " ~");
+        return;
+    }
     int n = surface[0] ? snprintf(name, room, "%.*s", KN_NAME_BYTES - 1, surface)
                        : snprintf(name, room, "s%d", id->surface);
     n += snprintf(name + n, room - (size_t)n, " c%d,%d %.*s", id->cell[0], id->cell[1], KN_NAME_BYTES - 1, part);
@@ -169,57 +173,64 @@ static bool ill_conditioned(const kn_step_item *item, const kn_patch_net *f)
     return ill;
 }
 
+void kn_step_put_plane_context(kn_text *text, uint32_t number)
+{
+    kn_step_put_form(text, number,
+                     "(GEOMETRIC_REPRESENTATION_CONTEXT(2)PARAMETRIC_REPRESENTATION_CONTEXT()"
+                     "REPRESENTATION_CONTEXT('2D SPACE',''));",
+                     NULL);
+}
+
 // Four corners, then of each edge a line along its side of the square, whose parameter is that of the curve in space;
 // numbers from `first` on, of which it answers the next free one.
-static uint32_t put_plane_curves(kn_text *text, kn_step_item *item, const kn_patch_net *f, uint32_t first)
+static uint32_t put_plane_curves(kn_text *text, kn_step_item *item, const kn_patch_net *f, const int edge[4],
+                                 uint32_t first)
 {
     uint32_t context = first + 4, next = first + 5;
     for (int k = 0; k < 4; k++) {
         const double at[2] = {k == 1 || k == 2 ? 1.0 : 0.0, k >= 2 ? 1.0 : 0.0};
         kn_step_put_point(text, first + (uint32_t)k, at, 2);
     }
-    kn_step_put_relative(text, context);
-    kn_text_put(text, "(GEOMETRIC_REPRESENTATION_CONTEXT(2)PARAMETRIC_REPRESENTATION_CONTEXT()"
-                      "REPRESENTATION_CONTEXT('2D SPACE',''));");
-    kn_text_newline(text);
+    kn_step_put_plane_context(text, context);
     for (int i = 0; i < item->nedges; i++, next += 3) {
-        int e = item->edge[i], turned = f->side[e].turned;
+        int e = edge[i], turned = f->side[e].turned;
         int from = edge_ends[e][turned], to = edge_ends[e][!turned];
         kn_step_put_form(text, next,
                          "B_SPLINE_CURVE_WITH_KNOTS('',1,(#,#),.UNSPECIFIED.,.F.,.F.,(2,2),(0.,1.),.UNSPECIFIED.);",
                          (uint32_t[]){first + (uint32_t)from, first + (uint32_t)to});
         kn_step_put_form(text, next + 1, "DEFINITIONAL_REPRESENTATION('',(#),#);", (uint32_t[]){next, context});
         kn_step_put_form(text, next + 2, "PCURVE('',#,#);", (uint32_t[]){(uint32_t)f->n, next + 1});
-        item->pcurve[i] = next + 2;
+        item->edge[i].pcurve = next + 2;
     }
     return next;
 }
 
-kn_status kn_step_put_face(kn_text *text, kn_step_item *item, const kn_patch *patch, const kn_step_naming *naming,
-                           const char *part, double mm)
+kn_status kn_step_put_face(kn_text *text, kn_step_item *item, kn_step_lists *lists, const kn_patch *patch, double mm)
 {
-    *item = (kn_step_item){.kind = KN_STEP_FACE, .look = patch->look, .id = patch->id};
+    *item = (kn_step_item){.kind = KN_STEP_FACE, .look = patch->look, .id = patch->id, .body = -1};
     item->reversed = patch->reversed, item->exact = patch->exact;
-    if (patch->trim) return kn_step_put_trimmed(text, item, patch, naming, part, mm);
+    if (patch->trim && patch->trim->nloops > 0) return kn_step_put_trimmed(text, item, lists, patch, mm);
     kn_patch_net f;
     bool own[4];
+    int side[4];
     kn_mark mark = kn_scratch_mark(text->ctx);
     kn_status status = kn_patch_net_load(text->ctx, &f, patch, mm, "STEP");
     if (status == KN_OK) {
         item->numbers = number_edges(&f, own), item->main = (uint32_t)f.n;
-        take_edges(item, &f);
+        take_edges(item, &f, side);
         kn_step_put_points(text, &f);
         kn_step_put_surface(text, &f);
         if (item->nedges > 0 && ill_conditioned(item, &f))
-            item->numbers = put_plane_curves(text, item, &f, item->numbers);
+            item->numbers = put_plane_curves(text, item, &f, side, item->numbers);
         item->text_end = text->bytes;
-        for (int e = 0; e < 4; e++) {
-            const kn_patch_side *s = &f.side[e];
-            if (!s->collapsed && own[e]) kn_step_put_line_points(text, &s->line, 3);
-            item->curve_begin[e] = text->bytes;
-            if (!s->collapsed)
-                kn_step_put_line(text, &s->line, s->turned, kn_brep_same(s->edge.vertex[0], s->edge.vertex[1]));
-            item->curve_end[e] = text->bytes;
+        for (int k = 0; k < item->nedges; k++) {
+            const kn_patch_side *s = &f.side[side[k]];
+            kn_step_edge *e = &item->edge[k];
+            e->begin = text->bytes;
+            if (own[side[k]]) kn_step_put_line_points(text, &s->line, 3);
+            e->curve_begin = text->bytes;
+            kn_step_put_line(text, &s->line, s->turned, kn_brep_same(s->edge.vertex[0], s->edge.vertex[1]));
+            e->curve_end = text->bytes;
         }
     }
     kn_scratch_release(text->ctx, mark);

@@ -18,6 +18,20 @@ bool kn_step_join_is_list(const kn_step_join *j, int body)
     return is;
 }
 
+// Solids of the shells that waited for others of their bodies.
+static kn_status put_solids(kn_ctx *ctx, kn_step_join *j, kn_text *out, kn_status (*put)(void *user, kn_text *out),
+                            void *user)
+{
+    kn_status status = KN_OK;
+    kn_closed_shells_sort(&j->closed);
+    for (size_t at = 0, n = 0; status == KN_OK && kn_closed_shells_next(&j->closed, &at, &n);) {
+        const kn_closed_shell *first = &j->closed.list[at];
+        status = kn_step_join_put_solid(ctx, j, out, &first->id, first->look, first, n);
+        if (status == KN_OK && out->bytes > LONG_TEXT) status = put(user, out);
+    }
+    return status;
+}
+
 // An open shell for each body that is not closed.
 static kn_status put_shells(kn_ctx *ctx, kn_step_join *j, kn_text *out, open_shell **shells,
                             kn_status (*put)(void *user, kn_text *out), void *user)
@@ -188,6 +202,7 @@ static kn_status put_end(kn_ctx *ctx, kn_step_join *j, kn_text *out, open_shell 
         if (out->bytes > LONG_TEXT) status = put(user, out);
     }
     if (status == KN_OK) status = put_host_shells(ctx, j, out, put, user);
+    if (status == KN_OK) status = put_solids(ctx, j, out, put, user);
     if (status == KN_OK) status = put_shells(ctx, j, out, shells, put, user);
     for (int i = 0; i < j->nlooks && status == KN_OK; i++) {
         uint64_t first = kn_step_look_number(j, i);

@@ -319,7 +319,7 @@ static kn_status write_bodies(kn_ctx *ctx, kn_step_cells *cells, kn_text *out)
     kn_brep_drop(j->brep, j->solids);
     kn_status status = kn_brep_open(ctx, j->brep, &j->solids);
     for (size_t i = 0; i < cells->nitems && status == KN_OK; i++)
-        status = kn_step_join_item(ctx, j, out, &cells->items[i], cells->text.data);
+        status = kn_step_join_item(ctx, j, out, &cells->items[i], NULL, cells->text.data);
     return status == KN_OK ? check_closed(ctx, cells) : status;
 }
 
@@ -383,9 +383,10 @@ kn_status kn_step_cells_add(kn_ctx *ctx, kn_step_cells *cells, kn_text *out, con
     size_t from = item->text_begin, at = cells->text.bytes;
     *x = *item;
     x->text_begin = at, x->text_end = item->text_end - from + at;
-    for (int e = 0; e < 4; e++) {
-        x->curve_begin[e] = item->curve_begin[e] - from + at;
-        x->curve_end[e] = item->curve_end[e] - from + at;
+    for (int e = 0; e < x->nedges; e++) {
+        x->edge[e].begin = item->edge[e].begin - from + at;
+        x->edge[e].curve_begin = item->edge[e].curve_begin - from + at;
+        x->edge[e].curve_end = item->edge[e].curve_end - from + at;
     }
     cells->text.ctx = ctx;
     kn_text_bytes(&cells->text, data + from, end - from);

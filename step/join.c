@@ -100,6 +100,7 @@ void kn_step_join_clear(kn_ctx *ctx, kn_step_join *j)
 {
     kn_brep_destroy(ctx, j->brep);
     kn_free(ctx, j->looks), kn_free(ctx, j->held);
+    kn_closed_shells_clear(ctx, &j->closed);
     *j = (kn_step_join){0};
 }
 
@@ -147,28 +148,53 @@ kn_status kn_step_join_style_body(kn_ctx *ctx, kn_step_join *j, kn_text *out, ui
                                 : kn_step_join_style_faces(ctx, j, out, body, NULL, NULL);
 }
 
-static kn_status put_solid(kn_ctx *ctx, kn_step_join *j, kn_text *out, const kn_step_item *item, int body)
+// Voids look out of what is solid: their shells are not turned.
+kn_status kn_step_join_put_solid(kn_ctx *ctx, kn_step_join *j, kn_text *out, const kn_patch_id *id, int look,
+                                 const kn_closed_shell *shells, size_t n)
 {
     char name[KN_STEP_NAME_BYTES];
-    uint64_t shell = j->next, solid = j->next + 1;
-    j->next += 2;
-    kn_step_put_number(out, shell);
-    kn_text_put(out, "CLOSED_SHELL('',(");
-    kn_status status = kn_step_join_put_list(j->brep, body, out, NULL, NULL);
-    kn_text_put(out, "));\n");
+    uint64_t first = j->next, voids = first + n, solid = voids + n - 1;
+    kn_status status = KN_OK;
+    j->next = solid + 1;
+    for (size_t i = 0; i < n && status == KN_OK; i++) {
+        kn_step_put_number(out, first + i);
+        kn_text_put(out, "CLOSED_SHELL('',(");
+        status = kn_step_join_put_list(j->brep, shells[i].brep, out, NULL, NULL);
+        kn_text_put(out, "));\n");
+    }
+    for (size_t i = 1; i < n; i++)
+        kn_step_put_references(out, voids + i - 1, "ORIENTED_CLOSED_SHELL('',*,#,.T.);", (uint64_t[]){first + i});
     kn_step_put_number(out, solid);
-    kn_text_put(out, "MANIFOLD_SOLID_BREP(");
-    kn_step_name(name, j->naming, &item->id, j->looks[item->look].name, false, true);
+    kn_text_put(out, n > 1 ? "BREP_WITH_VOIDS(" : "MANIFOLD_SOLID_BREP(");
+    kn_step_name(name, j->naming, id, j->looks[look].name, false, true);
     kn_text_step_string(out, name);
     kn_text_char(out, ',');
-    kn_text_reference(out, shell);
-    kn_text_put(out, ");");
+    kn_text_reference(out, first);
+    for (size_t i = 1; i < n; i++) {
+        kn_text_put(out, i == 1 ? ",(" : ",");
+        kn_text_reference(out, voids + i - 1);
+    }
+    kn_text_put(out, n > 1 ? "));" : ");");
     kn_text_newline(out);
     if (status == KN_OK) status = kn_brep_append(ctx, j->brep, j->solids, solid, 0);
-    if (status == KN_OK) status = kn_step_join_style_body(ctx, j, out, solid, body);
+    int common = kn_brep_look(j->brep, shells[0].brep);
+    for (size_t i = 1; i < n; i++)
+        if (kn_brep_look(j->brep, shells[i].brep) != common) common = KN_BREP_NONE;
+    if (status == KN_OK && common != KN_BREP_NONE) status = kn_step_join_style(ctx, j, out, solid, common);
+    for (size_t i = 0; i < n && status == KN_OK && common == KN_BREP_NONE; i++)
+        status = kn_step_join_style_faces(ctx, j, out, shells[i].brep, NULL, NULL);
     j->nsolids++;
-    kn_brep_drop(j->brep, body);
+    for (size_t i = 0; i < n; i++) kn_brep_drop(j->brep, shells[i].brep);
     return status;
+}
+
+// A closed shell: a solid, or part of one of which others may come.
+static kn_status take_closed(kn_ctx *ctx, kn_step_join *j, kn_text *out, const kn_step_item *item, int body)
+{
+    const kn_closed_shell closed = {
+        .brep = body, .body = item->body, .shell = item->shell, .look = item->look, .id = item->id};
+    if (item->body < 0) return kn_step_join_put_solid(ctx, j, out, &item->id, item->look, &closed, 1);
+    return kn_closed_shells_add(ctx, &j->closed, closed);
 }
 
 // ---- items ----
@@ -190,47 +216,65 @@ void kn_step_join_put_edge(kn_step_join *j, kn_text *out, const kn_brep_name *na
                            (uint64_t[]){name->vertex[0], name->vertex[1], curve});
 }
 
-// Edges that wait for another face are not written yet: kn_brep_next_edge.
-static void put_edges(kn_step_join *j, kn_text *out, const kn_step_item *item, const kn_brep_name *names,
-                      uint64_t base, const char *data)
+// One face of an item: its loops, and all that they have.
+typedef struct bounds {
+    const kn_step_item *item;
+    const kn_step_loop *loops;
+    const kn_step_edge *edges;
+    size_t nloops;
+    int nedges;
+    uint64_t base;
+    const char *data;
+} bounds;
+
+static void put_vertex(kn_step_join *j, kn_text *out, const bounds *b, const kn_step_edge *e, int end,
+                       uint64_t number)
 {
-    for (int i = 0; i < item->nedges; i++) {
-        int e = item->edge[i];
-        for (int k = 0; k < 2; k++)
-            if (names[i].new_vertex[k])
-                kn_step_put_references(out, names[i].vertex[k], "VERTEX_POINT('',#);",
-                                       (uint64_t[]){base + item->corner[i][k]});
-        if (names[i].last && !names[i].new_edge) kn_step_join_put_edge(j, out, &names[i]);
-        if (!names[i].new_edge) continue;
-        size_t from = e > 0 ? item->curve_end[e - 1] : item->text_end;
-        kn_text_expand(out, data + from, item->curve_begin[e] - from, base);
-        kn_step_put_number(out, names[i].edge - 1);
-        kn_text_expand(out, data + item->curve_begin[e], item->curve_end[e] - item->curve_begin[e], base);
-        if (names[i].last) kn_step_join_put_edge(j, out, &names[i]);
+    uint64_t point = b->base + e->corner[end];
+    if (!e->corners) {
+        point = j->next++;
+        kn_step_put_number(out, point);
+        kn_text_put(out, "CARTESIAN_POINT('',(");
+        for (int c = 0; c < 3; c++) {
+            if (c > 0) kn_text_comma(out);
+            kn_text_step_real(out, e->at[end][c]);
+        }
+        kn_text_put(out, "));");
+        kn_text_newline(out);
     }
-    for (int i = 0; i < item->nedges; i++)
-        kn_step_put_references(out, j->next + (uint64_t)i,
-                               item->along[i] != names[i].against ? "ORIENTED_EDGE('',*,*,#,.T.);"
-                                                                  : "ORIENTED_EDGE('',*,*,#,.F.);",
-                               (uint64_t[]){names[i].edge});
+    kn_step_put_references(out, number, "VERTEX_POINT('',#);", (uint64_t[]){point});
 }
 
-// Number of the loop: edges in order, or, where the whole boundary is a point, that.
-static uint64_t put_loop(kn_step_join *j, kn_text *out, const kn_step_item *item, const kn_brep_name *names,
-                         uint64_t base, const char *data)
+// Edges that wait for another face are not written yet: kn_brep_next_edge.
+static void put_edges(kn_step_join *j, kn_text *out, const bounds *b, const kn_brep_name *names)
 {
-    if (item->nedges == 0) {
-        kn_step_put_references(out, j->next, "VERTEX_POINT('',#);", (uint64_t[]){base});
-        kn_step_put_references(out, j->next + 1, "VERTEX_LOOP('',#);", (uint64_t[]){j->next});
-        j->next += 2;
-        return j->next - 1;
+    for (int i = 0; i < b->nedges; i++) {
+        const kn_step_edge *e = &b->edges[i];
+        for (int k = 0; k < 2; k++)
+            if (names[i].new_vertex[k]) put_vertex(j, out, b, e, k, names[i].vertex[k]);
+        if (names[i].last && !names[i].new_edge) kn_step_join_put_edge(j, out, &names[i]);
+        if (!names[i].new_edge) continue;
+        kn_text_expand(out, b->data + e->begin, e->curve_begin - e->begin, b->base);
+        kn_step_put_number(out, names[i].edge - 1);
+        kn_text_expand(out, b->data + e->curve_begin, e->curve_end - e->curve_begin, b->base);
+        if (names[i].last) kn_step_join_put_edge(j, out, &names[i]);
     }
-    put_edges(j, out, item, names, base, data);
-    uint64_t first = j->next, n = (uint64_t)item->nedges;
+}
+
+// Number of the loop: edges in order.
+static uint64_t put_loop(kn_step_join *j, kn_text *out, const kn_step_edge *edges, const kn_brep_name *names,
+                         uint64_t n)
+{
+    uint64_t first = j->next;
+    for (uint64_t i = 0; i < n; i++)
+        kn_step_put_references(out, first + i,
+                               edges[i].along != names[i].against ? "ORIENTED_EDGE('',*,*,#,.T.);"
+                                                                  : "ORIENTED_EDGE('',*,*,#,.F.);",
+                               (uint64_t[]){names[i].edge});
     kn_step_put_number(out, first + n);
     kn_text_put(out, "EDGE_LOOP('',(");
     for (uint64_t i = 0; i < n; i++) {
-        if (i > 0) kn_text_char(out, ',');
+        if (i > 0) kn_text_comma(out);
         kn_text_reference(out, first + i);
     }
     kn_text_put(out, "));");
@@ -240,28 +284,33 @@ static uint64_t put_loop(kn_step_join *j, kn_text *out, const kn_step_item *item
 }
 
 // The loop runs counterclockwise about r x t. A reversed patch turns both the face and the loop over.
-static void put_face(kn_step_join *j, kn_text *out, const kn_step_item *item, uint64_t base, uint64_t loop)
+static void put_bound(kn_step_join *j, kn_text *out, const kn_step_item *item, uint64_t loop, bool outer)
+{
+    kn_step_put_references(out, j->next++,
+                           outer ? (item->reversed ? "FACE_OUTER_BOUND('',#,.F.);" : "FACE_OUTER_BOUND('',#,.T.);")
+                                 : (item->reversed ? "FACE_BOUND('',#,.F.);" : "FACE_BOUND('',#,.T.);"),
+                           (uint64_t[]){loop});
+}
+
+// Of bounds that end before the next number.
+static void put_face(kn_step_join *j, kn_text *out, const kn_step_item *item, uint64_t base, const uint64_t *bound,
+                     size_t n)
 {
     char name[KN_STEP_NAME_BYTES];
-    const char *sense = item->reversed ? ".F.);" : ".T.);";
     kn_step_name(name, j->naming, &item->id, j->looks[item->look].name, true, item->exact);
-    kn_step_put_number(out, j->next);
-    kn_text_put(out, "FACE_OUTER_BOUND('',");
-    kn_text_reference(out, loop);
-    kn_text_char(out, ',');
-    kn_text_put(out, sense);
-    kn_text_newline(out);
-    kn_step_put_number(out, j->next + 1);
+    kn_step_put_number(out, j->next++);
     kn_text_put(out, "ADVANCED_FACE(");
     kn_text_step_string(out, name);
     kn_text_put(out, ",(");
-    kn_text_reference(out, j->next);
+    for (size_t i = 0; i < n; i++) {
+        if (i > 0) kn_text_comma(out);
+        kn_text_reference(out, bound[i]);
+    }
     kn_text_put(out, "),");
     kn_text_reference(out, base + item->main);
     kn_text_char(out, ',');
-    kn_text_put(out, sense);
+    kn_text_put(out, item->reversed ? ".F.);" : ".T.);");
     kn_text_newline(out);
-    j->next += 2;
 }
 
 // A number in a list of its look.
@@ -280,9 +329,77 @@ static void tie(kn_step_join *j, const kn_step_item *item)
     if (shell >= 0 && shell < host->nshells && host->shells[shell].nfaces == 0) kn_brep_tie(j->brep, j->held[shell]);
 }
 
-kn_status kn_step_join_item(kn_ctx *ctx, kn_step_join *j, kn_text *out, const kn_step_item *item, const char *data)
+// A face whose whole boundary is a point.
+static kn_status put_point_face(kn_ctx *ctx, kn_step_join *j, kn_text *out, const kn_step_item *item, uint64_t base)
 {
-    kn_brep_name names[4];
+    uint64_t first = j->next, bound = first + 2;
+    kn_step_put_references(out, first, "VERTEX_POINT('',#);", (uint64_t[]){base});
+    kn_step_put_references(out, first + 1, "VERTEX_LOOP('',#);", (uint64_t[]){first});
+    j->next = bound;
+    put_bound(j, out, item, first + 1, true);
+    put_face(j, out, item, base, &bound, 1);
+    return list(ctx, j, &j->looks[item->look].loose, j->next - 1, item->look);
+}
+
+static kn_status put_bounded(kn_ctx *ctx, kn_step_join *j, kn_text *out, const bounds *b,
+                             const kn_brep_key (*pairs)[2])
+{
+    const kn_step_item *item = b->item;
+    kn_mark mark = kn_scratch_mark(ctx);
+    size_t n = (size_t)b->nedges;
+    kn_brep_edge *edges = kn_scratch(ctx, n, sizeof *edges);
+    kn_brep_name *names = kn_scratch(ctx, n, sizeof *names);
+    uint64_t *bound = kn_scratch(ctx, b->nloops, sizeof *bound);
+    kn_status status = edges && names && bound ? KN_OK : KN_ENOMEM;
+    for (size_t i = 0; i < n && status == KN_OK; i++) {
+        edges[i] = b->edges[i].edge;
+        edges[i].pcurve = b->edges[i].pcurve > 0 ? b->base + b->edges[i].pcurve : 0;
+    }
+    int closed = KN_BREP_NONE;
+    if (status == KN_OK) status = kn_brep_add(ctx, j->brep, edges, b->nedges, pairs, item->npairs, &j->next, names);
+    if (status == KN_OK) {
+        put_edges(j, out, b, names);
+        const kn_step_edge *e = b->edges;
+        for (size_t i = 0; i < b->nloops; i++) {
+            bound[i] = put_loop(j, out, e, names + (e - b->edges), b->loops[i].nedges);
+            e += b->loops[i].nedges;
+        }
+        for (size_t i = 0; i < b->nloops; i++) {
+            uint64_t loop = bound[i];
+            bound[i] = j->next;
+            put_bound(j, out, item, loop, b->loops[i].outer);
+        }
+        put_face(j, out, item, b->base, bound, b->nloops);
+        tie(j, item);
+        status = kn_brep_end_face(ctx, j->brep, j->next - 1, item->look, &closed);
+    }
+    if (status == KN_OK && closed != KN_BREP_NONE) status = take_closed(ctx, j, out, item, closed);
+    kn_scratch_release(ctx, mark);
+    return status;
+}
+
+// A face for each outer loop, with its holes.
+static kn_status put_trimmed(kn_ctx *ctx, kn_step_join *j, kn_text *out, const kn_step_item *item,
+                             const kn_step_lists *lists, uint64_t base, const char *data)
+{
+    const kn_step_loop *loop = lists->loops + item->loops, *end = loop + item->nloops;
+    bounds b = {.item = item, .edges = lists->edges + item->edges, .base = base, .data = data};
+    kn_status status = KN_OK;
+    while (loop < end && status == KN_OK) {
+        b.loops = loop, b.nloops = 0, b.nedges = 0;
+        do {
+            b.nedges += (int)loop->nedges;
+            b.nloops++, loop++;
+        } while (loop < end && !loop->outer);
+        status = put_bounded(ctx, j, out, &b, (const kn_brep_key(*)[2])(lists->pairs + item->pairs));
+        b.edges += b.nedges;
+    }
+    return status;
+}
+
+kn_status kn_step_join_item(kn_ctx *ctx, kn_step_join *j, kn_text *out, const kn_step_item *item,
+                            const kn_step_lists *lists, const char *data)
+{
     kn_step_look *look = &j->looks[item->look];
     kn_status status = KN_OK;
     uint64_t base = j->next;
@@ -293,23 +410,13 @@ kn_status kn_step_join_item(kn_ctx *ctx, kn_step_join *j, kn_text *out, const kn
         status = list(ctx, j, &look->curves, base + item->main, item->look);
         j->ncurves++;
     } else if (item->kind == KN_STEP_TRIMMED) {
-        status = list(ctx, j, &look->loose, base + item->main, item->look);
+        status = put_trimmed(ctx, j, out, item, lists, base, data);
+    } else if (item->nedges == 0) {
+        status = put_point_face(ctx, j, out, item, base);
     } else {
-        int closed = KN_BREP_NONE;
-        kn_brep_edge edges[4];
-        for (int i = 0; i < item->nedges; i++) {
-            edges[i] = item->edges[i];
-            edges[i].pcurve = item->pcurve[i] > 0 ? base + item->pcurve[i] : 0;
-        }
-        if (item->nedges > 0)
-            status = kn_brep_add(ctx, j->brep, edges, item->nedges, item->pair, item->npairs, &j->next, names);
-        if (status != KN_OK) return status;
-        uint64_t loop = put_loop(j, out, item, names, base, data);
-        put_face(j, out, item, base, loop);
-        if (item->nedges > 0) tie(j, item);
-        status = item->nedges > 0 ? kn_brep_end_face(ctx, j->brep, j->next - 1, item->look, &closed)
-                                  : list(ctx, j, &look->loose, j->next - 1, item->look);
-        if (status == KN_OK && closed != KN_BREP_NONE) status = put_solid(ctx, j, out, item, closed);
+        const kn_step_loop loop = {.nedges = (uint32_t)item->nedges, .outer = true};
+        const bounds b = {item, &loop, item->edge, 1, item->nedges, base, data};
+        status = put_bounded(ctx, j, out, &b, item->pair);
     }
     if (status == KN_OK && j->next > INT_MAX)
         return kn_fail(ctx, KN_ELIMIT, "STEP: the patches need entity numbers beyond %d", INT_MAX);
@@ -329,6 +436,7 @@ void kn_step_join_save(const kn_step_join *j, kn_state *state)
         kn_state_put(state, &j->looks[i].curves, sizeof j->looks[i].curves);
         kn_state_put(state, &j->looks[i].used, sizeof j->looks[i].used);
     }
+    kn_closed_shells_save(&j->closed, state);
     kn_brep_save(j->brep, state);
 }
 
@@ -340,5 +448,7 @@ kn_status kn_step_join_restore(kn_ctx *ctx, kn_step_join *j, kn_state_reader *r)
         good = kn_state_take(r, &j->looks[i].loose, sizeof j->looks[i].loose) &&
                kn_state_take(r, &j->looks[i].curves, sizeof j->looks[i].curves) &&
                kn_state_take(r, &j->looks[i].used, sizeof j->looks[i].used);
-    return good ? kn_brep_restore(ctx, j->brep, r) : kn_state_fail(ctx, "STEP");
+    if (!good) return kn_state_fail(ctx, "STEP");
+    kn_status status = kn_closed_shells_restore(ctx, &j->closed, r, "STEP");
+    return status == KN_OK ? kn_brep_restore(ctx, j->brep, r) : status;
 }

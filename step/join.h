@@ -3,6 +3,7 @@
 #ifndef STEP_JOIN_H
 #define STEP_JOIN_H
 
+#include "io/closed_shells.h"
 #include "step/write.h"
 
 typedef struct kn_step_look {
@@ -25,6 +26,7 @@ typedef struct kn_step_join {
     int solids, styled; // lists of numbers
     int placed;         // list of the placements of instances, KN_BREP_NONE: there are none
     uint64_t nsolids, nstyled, nshells, ncurves;
+    kn_closed_shells closed;
 } kn_step_join;
 
 // naming, about and host (NULL: none) are set before; mm: of a length unit.
@@ -33,9 +35,10 @@ kn_status kn_step_join_begin(kn_ctx *ctx, kn_step_join *j, const kn_tile *tile, 
 // Entities that come before all others.
 void kn_step_join_put_begin(const kn_step_join *j, kn_text *out);
 void kn_step_join_clear(kn_ctx *ctx, kn_step_join *j);
-// Appends one item to out: data has its text and that of its edges, from the end of the item before it on. Where it
-// closes a body, the solid follows. fails: KN_ENOMEM; KN_ELIMIT numbers that readers do not keep.
-kn_status kn_step_join_item(kn_ctx *ctx, kn_step_join *j, kn_text *out, const kn_step_item *item, const char *data);
+// Appends one item to out: data has its text and that of its edges, from the end of the item before it on; lists: of a
+// trimmed one. Where it closes a body, the solid follows. fails: KN_ENOMEM; KN_ELIMIT numbers that readers do not keep.
+kn_status kn_step_join_item(kn_ctx *ctx, kn_step_join *j, kn_text *out, const kn_step_item *item,
+                            const kn_step_lists *lists, const char *data);
 // Shells that are open, curves, styles, the representations. put(user) empties the text where it has become long.
 kn_status kn_step_join_end(kn_ctx *ctx, kn_step_join *j, kn_text *out, kn_status (*put)(void *user, kn_text *out),
                            void *user);
@@ -56,6 +59,9 @@ kn_status kn_step_join_style_faces(kn_ctx *ctx, kn_step_join *j, kn_text *out, i
 kn_status kn_step_join_style_body(kn_ctx *ctx, kn_step_join *j, kn_text *out, uint64_t item, int body);
 // The edge, once all faces are known that use it: with what they call it in their own parameters.
 void kn_step_join_put_edge(kn_step_join *j, kn_text *out, const kn_brep_name *name);
+// A solid of closed shells of brep, the outer one first; it drops them.
+kn_status kn_step_join_put_solid(kn_ctx *ctx, kn_step_join *j, kn_text *out, const kn_patch_id *id, int look,
+                                 const kn_closed_shell *shells, size_t n);
 bool kn_step_join_is_list(const kn_step_join *j, int body); // and no body
 
 #endif

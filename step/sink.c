@@ -31,6 +31,7 @@ typedef struct written {
     kn_text text;
     kn_step_item *items;
     size_t nitems;
+    kn_step_lists lists;
     kn_step_points points; // of instances
 } written;
 
@@ -55,6 +56,7 @@ static void describe(step *s, const kn_job_report *r)
     // two pieces side by side may each be off by as much
     double trimmed = r->trim_curves > 0 ? r->fit_tolerance : 0.0; // other edges of limited faces stay shared
     a->uncertainty_mm = fmax(a->uncertainty_mm, 2.0 * mm * (r->stand_in_error + r->crossing_error + trimmed));
+    a->uncertainty_mm = fmax(a->uncertainty_mm, mm * (r->edge_error + trimmed)); // of a curve from each of its faces
     snprintf(a->text[0], sizeof a->text[0], "degree at most %d,%d; %s", r->degree[0], r->degree[1],
              all              ? "all faces are exact"
              : s->naming.mark ? "faces named .. ~ are approximations, all others exact"
@@ -108,8 +110,7 @@ static kn_status put_face(void *user, const kn_patch *patch)
     kn_step_item *item = &w->items[w->nitems];
     size_t begin = w->text.bytes;
     kn_status status = kn_patch_nvars(patch) == 1 ? kn_step_put_curve(&w->text, item, patch, s->unit_mm)
-                                                  : kn_step_put_face(&w->text, item, patch, &s->naming,
-                                                                     s->join.looks[patch->look].name, s->unit_mm);
+                                                  : kn_step_put_face(&w->text, item, &w->lists, patch, s->unit_mm);
     if (status == KN_OK && s->instances)
         status = kn_step_note_points(w->text.ctx, &w->points, item, patch, s->unit_mm);
     item->text_begin = begin;
@@ -125,6 +126,7 @@ static void step_discard(kn_ctx *ctx, void *user, void *product)
     w->text.ctx = ctx; // the worker's own context may be gone
     kn_text_clear(&w->text);
     kn_free(ctx, w->items), kn_free(ctx, w->points.x);
+    kn_free(ctx, w->lists.loops), kn_free(ctx, w->lists.edges), kn_free(ctx, w->lists.pairs);
     kn_free(ctx, w);
 }
 
@@ -164,7 +166,7 @@ static kn_status step_commit(kn_ctx *ctx, void *user, const kn_patch_block *bloc
         const kn_step_item *item = &w->items[i];
         size_t end = i + 1 < w->nitems ? w->items[i + 1].text_begin : w->text.bytes;
         status = s->cells ? kn_step_cells_add(ctx, s->cells, &text, item, w->text.data, end, w->points.x)
-                          : kn_step_join_item(ctx, &s->join, &text, item, w->text.data);
+                          : kn_step_join_item(ctx, &s->join, &text, item, &w->lists, w->text.data);
         if (status == KN_OK && text.bytes > FLUSH_BYTES) status = kn_out_flush(ctx, s->file, &text);
     }
     if (status == KN_OK) status = kn_out_flush(ctx, s->file, &text);
@@ -246,6 +248,7 @@ static kn_status copy_options(kn_ctx *ctx, step *s, const kn_step_options *o)
     about->uncertainty_mm = o->uncertainty_mm > 0.0 ? o->uncertainty_mm : 1e-3;
     about->schema = o->schema;
     s->instances = o->instances;
+    s->naming.plain = o->plain_names;
     s->join.host = o->host, s->join.about = about, s->join.naming = &s->naming;
     kn_status status = copy_string(ctx, &about->product, o->product != NULL ? o->product : "knurl");
     if (status == KN_OK)

@@ -1,127 +1,118 @@
 // SPDX-License-Identifier: Apache-2.0
-// A trimmed patch as an ADVANCED_FACE: each curve of the trim is an edge with a curve in space and one in the plane
-// of the surface's parameters (SURFACE_CURVE, PCURVE), both over the same knots.
+// A trimmed patch: its points and surface, for each curve of the trim one in space and one in the plane of the surface's
+// parameters (PCURVE), both over the same domain, and by which keys these meet others.
 #include "io/trim_edges.h"
 #include "step/face.h"
 #include "kernel/context.h"
 
-enum {
-    FACE_NUMBERS = 3, // after the plain face's: context, outer loop and bound come from the curves' own
-    CURVE_NUMBERS =
-        9, // vertex, curves in space and plane, representation, pcurve, surface curve, edge, oriented edge
-    LOOP_NUMBERS = 2,
-};
+#include <string.h>
 
-typedef struct trimmed {
-    kn_text *text;
-    const kn_patch *patch;
-    kn_patch_net net;
-    kn_trim_edge *edges;
-    uint32_t *first; // number of each edge
-} trimmed;
-
-// ---- text ----
-
-// first + 0 vertex, 1 curve in space, 2 curve in the plane, 3 representation, 4 pcurve, 5 surface curve, 6 edge,
-// 7 oriented edge; then the points.
-static void put_edge(const trimmed *t, int at, uint32_t from, uint32_t to, uint32_t context)
+static kn_status grow(kn_ctx *ctx, void **list, size_t *room, size_t n, size_t size)
 {
-    kn_text *text = t->text;
-    uint32_t f = t->first[at], points = f + CURVE_NUMBERS;
-    kn_patch_curve space = t->edges[at].space, plane = t->edges[at].plane;
-    space.first = (int)points, plane.first = space.first + space.axis.n, space.by = plane.by = 1;
-    kn_step_put_line_points(text, &space, 3);
+    if (n <= *room) return KN_OK;
+    size_t wanted = 2 * *room > n ? 2 * *room : n + 16;
+    void *more = kn_resize(ctx, *list, wanted, size);
+    if (!more) return KN_ENOMEM;
+    *list = more, *room = wanted;
+    return KN_OK;
+}
+
+// Room for all that one trim may have.
+static kn_status reserve(kn_ctx *ctx, kn_step_lists *l, const kn_trim_edges *t, const kn_trim *trim)
+{
+    void *loops = l->loops, *edges = l->edges, *pairs = l->pairs;
+    kn_status status = grow(ctx, &loops, &l->loop_room, l->nloops + (size_t)t->nloops, sizeof *l->loops);
+    if (status == KN_OK)
+        status = grow(ctx, &edges, &l->edge_room, l->nedges + (size_t)trim->ncurves, sizeof *l->edges);
+    if (status == KN_OK) status = grow(ctx, &pairs, &l->pair_room, l->npairs + KN_BREP_PAIRS, sizeof *l->pairs);
+    l->loops = loops, l->edges = edges, l->pairs = pairs;
+    return status;
+}
+
+// In the order of the loops.
+static void take_edges(kn_step_item *item, kn_step_lists *l, const kn_trim_edges *t)
+{
+    item->loops = l->nloops, item->nloops = (size_t)t->nloops;
+    item->edges = l->nedges, item->pairs = l->npairs, item->npairs = t->npairs;
+    for (int i = 0; i < t->nloops; i++) {
+        const kn_trim_loop *loop = &t->loop[i];
+        kn_step_loop *out = &l->loops[l->nloops++];
+        *out = (kn_step_loop){.outer = loop->outer};
+        for (int k = loop->first; k < loop->last; k++) {
+            const kn_trim_edge *e = &t->edge[k];
+            if (e->collapsed) continue;
+            l->edges[l->nedges] = (kn_step_edge){.edge = e->edge, .along = e->against == e->turned};
+            memcpy(l->edges[l->nedges].at, e->at, sizeof e->at);
+            l->nedges++, out->nedges++;
+        }
+    }
+    size_t pairs = t->npairs < KN_BREP_PAIRS ? (size_t)t->npairs : KN_BREP_PAIRS;
+    memcpy(l->pairs + l->npairs, t->pair, pairs * sizeof *t->pair);
+    l->npairs += pairs;
+}
+
+// The curve in the plane of the parameters, in the direction of its key: numbers from `next` on, of which it answers the
+// next free one.
+static uint32_t put_plane(kn_text *text, kn_step_edge *out, const kn_trim_edge *e, uint32_t surface, uint32_t context,
+                          uint32_t next)
+{
+    kn_patch_curve plane = e->plane;
+    plane.first = (int)next, plane.by = 1;
     kn_step_put_line_points(text, &plane, 2);
-    kn_step_put_form(text, f, "VERTEX_POINT('',#);", (uint32_t[]){points});
-    kn_step_put_relative(text, f + 1);
-    kn_step_put_line(text, &space, false, false);
-    kn_step_put_relative(text, f + 2);
-    kn_step_put_line(text, &plane, false, false);
-    kn_step_put_form(text, f + 3, "DEFINITIONAL_REPRESENTATION('',(#),#);", (uint32_t[]){f + 2, context});
-    kn_step_put_form(text, f + 4, "PCURVE('',#,#);", (uint32_t[]){(uint32_t)t->net.n, f + 3});
-    kn_step_put_form(text, f + 5, "SURFACE_CURVE('',#,(#),.CURVE_3D.);", (uint32_t[]){f + 1, f + 4});
-    kn_step_put_form(text, f + 6, "EDGE_CURVE('',#,#,#,.T.);", (uint32_t[]){from, to, f + 5});
-    kn_step_put_form(text, f + 7, "ORIENTED_EDGE('',*,*,#,.T.);", (uint32_t[]){f + 6});
+    next += (uint32_t)plane.axis.n;
+    kn_step_put_relative(text, next);
+    kn_step_put_line(text, &plane, e->turned, false);
+    kn_step_put_form(text, next + 1, "DEFINITIONAL_REPRESENTATION('',(#),#);", (uint32_t[]){next, context});
+    kn_step_put_form(text, next + 2, "PCURVE('',#,#);", (uint32_t[]){surface, next + 1});
+    out->pcurve = next + 2;
+    return next + 3;
 }
 
-// bound: the number of the loop's FACE_BOUND; the loop is the next one.
-static void put_loop(const trimmed *t, int first, int last, uint32_t context, uint32_t bound)
+static void put_all(kn_text *text, kn_step_item *item, kn_step_edge *out, const kn_trim_edges *t,
+                    const kn_patch_net *net)
 {
-    kn_text *text = t->text;
-    int n = last - first;
-    for (int k = 0; k < n; k++) {
-        const kn_trim_edge *e = &t->edges[first + k], *then = &t->edges[first + (k + 1) % n];
-        if (!e->collapsed) put_edge(t, first + k, t->first[e->start], t->first[then->start], context);
-    }
-    bool written = false;
-    kn_step_put_relative(text, bound + 1);
-    kn_text_put(text, "EDGE_LOOP('',(");
-    for (int k = first; k < last; k++) {
-        if (t->edges[k].collapsed) continue;
-        if (written) kn_text_comma(text);
-        kn_text_relative(text, t->first[k] + 7);
-        written = true;
-    }
-    kn_text_put(text, "));");
-    kn_text_newline(text);
-    kn_step_put_form(text, bound,
-                     kn_trim_edges_area(t->edges, first, last) > 0.0
-                         ? (t->patch->reversed ? "FACE_OUTER_BOUND('',#,.F.);" : "FACE_OUTER_BOUND('',#,.T.);")
-                         : (t->patch->reversed ? "FACE_BOUND('',#,.F.);" : "FACE_BOUND('',#,.T.);"),
-                     (uint32_t[]){bound + 1});
+    uint32_t surface = (uint32_t)net->n, context = surface + 1, next = context + 1;
+    kn_step_put_points(text, net);
+    kn_step_put_surface(text, net);
+    kn_step_put_plane_context(text, context);
+    kn_step_edge *to = out;
+    for (int i = 0; i < t->nloops; i++)
+        for (int k = t->loop[i].first; k < t->loop[i].last; k++)
+            if (!t->edge[k].collapsed) next = put_plane(text, to++, &t->edge[k], surface, context, next);
+    item->text_end = text->bytes;
+    to = out;
+    for (int i = 0; i < t->nloops; i++)
+        for (int k = t->loop[i].first; k < t->loop[i].last; k++) {
+            const kn_trim_edge *e = &t->edge[k];
+            if (e->collapsed) continue;
+            kn_patch_curve space = e->space;
+            space.first = (int)next, space.by = 1;
+            next += (uint32_t)space.axis.n;
+            to->begin = text->bytes;
+            kn_step_put_line_points(text, &space, 3);
+            to->curve_begin = text->bytes;
+            kn_step_put_line(text, &space, e->turned, kn_brep_same(e->edge.vertex[0], e->edge.vertex[1]));
+            to->curve_end = text->bytes;
+            to++;
+        }
+    item->numbers = next, item->main = surface;
 }
 
-// ---- the face ----
-
-static uint32_t put_all(trimmed *t, const kn_step_naming *naming, const char *part)
-{
-    kn_text *text = t->text;
-    const kn_trim *trim = t->patch->trim;
-    char name[KN_STEP_NAME_BYTES];
-    uint32_t context = (uint32_t)t->net.n + KN_STEP_FACE_NUMBERS, bounds = context + FACE_NUMBERS;
-    uint32_t next = bounds + LOOP_NUMBERS * (uint32_t)trim->nloops;
-    for (int k = 0; k < trim->ncurves; k++) {
-        t->first[k] = next;
-        next += CURVE_NUMBERS + (uint32_t)t->edges[k].space.axis.n + (uint32_t)t->edges[k].plane.axis.n;
-    }
-    kn_step_put_points(text, &t->net);
-    kn_step_put_surface(text, &t->net);
-    kn_step_put_form(text, context,
-                     "(GEOMETRIC_REPRESENTATION_CONTEXT(2)PARAMETRIC_REPRESENTATION_CONTEXT()"
-                     "REPRESENTATION_CONTEXT('2D SPACE',''));",
-                     NULL);
-    for (int i = 0, first = 0; i < trim->nloops; first = trim->loop_end[i++])
-        put_loop(t, first, trim->loop_end[i], context, bounds + LOOP_NUMBERS * (uint32_t)i);
-    kn_step_name(name, naming, &t->patch->id, part, true, t->patch->exact);
-    kn_step_put_relative(text, (uint32_t)t->net.n + KN_STEP_FACE_NUMBERS - 1);
-    kn_text_put(text, "ADVANCED_FACE(");
-    kn_text_step_string(text, name);
-    kn_text_put(text, ",(");
-    for (int i = 0; i < trim->nloops; i++) {
-        if (i > 0) kn_text_comma(text);
-        kn_text_relative(text, bounds + LOOP_NUMBERS * (uint32_t)i);
-    }
-    kn_text_put(text, "),");
-    kn_text_relative(text, (uint32_t)t->net.n);
-    kn_text_put(text, t->patch->reversed ? ",.F.);" : ",.T.);");
-    kn_text_newline(text);
-    return next;
-}
-
-kn_status kn_step_put_trimmed(kn_text *text, kn_step_item *item, const kn_patch *patch, const kn_step_naming *naming,
-                              const char *part, double mm)
+kn_status kn_step_put_trimmed(kn_text *text, kn_step_item *item, kn_step_lists *lists, const kn_patch *patch,
+                              double mm)
 {
     kn_ctx *ctx = text->ctx;
-    trimmed t = {.text = text, .patch = patch};
+    kn_patch_net net;
+    kn_trim_edges t;
     kn_mark mark = kn_scratch_mark(ctx);
-    t.first = kn_scratch(ctx, (size_t)patch->trim->ncurves, sizeof *t.first);
-    kn_status status = t.first ? kn_patch_net_load(ctx, &t.net, patch, mm, "STEP") : KN_ENOMEM;
-    if (status == KN_OK) status = kn_trim_edges(ctx, &t.edges, patch, &t.net, mm, "STEP");
+    kn_status status = kn_patch_net_load(ctx, &net, patch, mm, "STEP");
+    if (status == KN_OK) status = kn_trim_edges_load(ctx, &t, patch, &net, mm, "STEP");
+    if (status == KN_OK) status = reserve(ctx, lists, &t, patch->trim);
     if (status == KN_OK) {
         item->kind = KN_STEP_TRIMMED;
-        item->numbers = put_all(&t, naming, part);
-        item->main = (uint32_t)t.net.n + KN_STEP_FACE_NUMBERS - 1;
-        item->text_end = text->bytes;
+        if (patch->bounds) item->body = patch->bounds->body, item->shell = patch->bounds->shell;
+        take_edges(item, lists, &t);
+        put_all(text, item, lists->edges + item->edges, &t, &net);
     }
     kn_scratch_release(ctx, mark);
     return status == KN_OK && text->failed ? KN_ENOMEM : status;

@@ -27,38 +27,59 @@ enum {
     KN_STEP_PRESENTATION = 21,
     KN_STEP_PARTS = 100,       // the first number of look 0
     KN_STEP_PART_NUMBERS = 16, // of each look: its surface model first, then its colour
-    KN_STEP_FACE_NUMBERS = 20  // of a trimmed patch, beyond one for each control point; the last is the face
 };
 
 typedef enum kn_step_kind {
-    KN_STEP_FACE,    // a plain one, to be joined with its neighbours
-    KN_STEP_TRIMMED, // whole in its text
+    KN_STEP_FACE,
+    KN_STEP_TRIMMED,
     KN_STEP_CURVE,
 } kn_step_kind;
 
-// What a thread wrote of one face or curve. Its text: from text_begin to text_end, then, of a plain
-// face, the four edges' curves: points of their own up to curve_begin[e], then the curve without "#n=" to curve_end[e].
+// An edge of a face. Its text stands behind that of the item: points of its own, then the curve without "#n=".
+typedef struct kn_step_edge {
+    kn_brep_edge edge;
+    bool along; // the loop runs along the curve, which runs along the key
+    size_t begin, curve_begin, curve_end;
+    bool corners;       // its vertices are points of the face's text, else such as nobody has yet
+    uint32_t corner[2]; // which
+    double at[2][3];    // or where
+    uint32_t pcurve;    // 0: none
+} kn_step_edge;
+
+typedef struct kn_step_loop {
+    uint32_t nedges;
+    bool outer; // the holes in it follow
+} kn_step_loop;
+
+// What a thread wrote of one face or curve, from text_begin to text_end, and then of its edges.
 typedef struct kn_step_item {
     kn_step_kind kind;
     int look;
     kn_patch_id id;
+    int body, shell; // as kn_patch_bounds; body -1: not told
     bool reversed, exact;
-    size_t text_begin, text_end, curve_begin[4], curve_end[4];
+    size_t text_begin, text_end;
     uint32_t numbers; // that the text uses, from 0 on
-    uint32_t main;    // the number of the plain face's surface; of the trimmed face, of the curve
-    // The edges of a plain face that are no points, in the order of its loop; corner point of each vertex.
+    uint32_t main;    // the number of the face's surface; of the curve
+    // The edges of a plain face that are no points, in the order of its loop.
     int nedges;
-    int edge[4];   // which of the four
-    bool along[4]; // the loop runs along the curve
-    kn_brep_edge edges[4];
-    uint32_t corner[4][2];
-    uint32_t pcurve[4]; // of each edge, 0: none
+    kn_step_edge edge[4];
     kn_brep_key pair[4][2];
     int npairs;
+    // Of a trimmed one: the first in the lists of its thread, and how many.
+    size_t loops, nloops, edges, pairs;
     size_t points,
         npoints; // of instances: its numbers among those that the thread noted, and by what its form is known
     kn_brep_key form;
 } kn_step_item;
+
+// What trimmed faces have.
+typedef struct kn_step_lists {
+    kn_step_loop *loops;
+    kn_step_edge *edges;
+    kn_brep_key (*pairs)[2];
+    size_t nloops, loop_room, nedges, edge_room, npairs, pair_room;
+} kn_step_lists;
 
 // What the beginning of the file says.
 typedef struct kn_step_about {
@@ -78,18 +99,19 @@ void kn_step_put_fixed(kn_text *text, uint64_t origin, const char *form);
 typedef struct kn_step_naming {
     char **surfaces; // nsurfaces of them; "": none
     int nsurfaces;
-    bool mark; // what is not exact
+    bool mark;  // what is not exact
+    bool plain; // as kn_step_options
 } kn_step_naming;
 // "s0 c3,4 ring", and for a face " 12" or " 12.1", and " ~".
 enum { KN_STEP_NAME_BYTES = 2 * KN_NAME_BYTES + 96 };
 void kn_step_name(char name[KN_STEP_NAME_BYTES], const kn_step_naming *naming, const kn_patch_id *id,
                   const char *part, bool face, bool exact);
 
-// Appends patch's points in millimetres, surface and curves, and says in *item how they are to be joined; a trimmed
-// patch's whole face; a curve's points and the curve.
+// Appends patch's points in millimetres, surface and curves, and says in *item, of trimmed ones in *lists, too, how they
+// are to be joined; a curve's points and the curve.
 // fails: KN_EUNDEFINED (a weight that is not positive, a control point that is not finite), KN_ENOMEM.
-KN_CHECKED kn_status kn_step_put_face(kn_text *text, kn_step_item *item, const kn_patch *patch,
-                                      const kn_step_naming *naming, const char *part, double mm);
+KN_CHECKED kn_status kn_step_put_face(kn_text *text, kn_step_item *item, kn_step_lists *lists, const kn_patch *patch,
+                                      double mm);
 KN_CHECKED kn_status kn_step_put_curve(kn_text *text, kn_step_item *item, const kn_patch *patch, double mm);
 // The colour of a look, whose numbers start at `first`: first + 3 is the style.
 void kn_step_put_style(kn_text *text, const kn_material *material, uint64_t first);

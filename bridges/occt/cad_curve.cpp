@@ -113,38 +113,19 @@ section spline_section(Handle(Geom_BSplineCurve) c, double lo, double hi)
     bool clamped = c->Multiplicity(1) == s.degree + 1 && c->Multiplicity(c->NbKnots()) == s.degree + 1;
     if (c->IsPeriodic() || !clamped || lo != c->FirstParameter() || hi != c->LastParameter()) {
         c = Handle(Geom_BSplineCurve)::DownCast(c->Copy());
-        c->Segment(lo, hi);
+        double near = 1e-9 * (hi - lo);
+        if (c->IsPeriodic() &&
+            std::fabs(hi - lo - c->Period()) <= near) { // Segment takes the wrong poles of a whole one
+            if (std::fabs(lo - c->FirstParameter()) > near) c->SetOrigin(lo, near);
+            c->SetNotPeriodic();
+            c->Segment(c->FirstParameter(), c->LastParameter());
+        } else {
+            c->Segment(lo, hi);
+        }
     }
     s.rational = c->IsRational();
     s.knots = flat(c->Knots(), c->Multiplicities(), lo, hi);
     for (int i = 1; i <= c->NbPoles(); i++) s.poles.push_back(at(c->Pole(i), c->Weight(i)));
-    return s;
-}
-
-section section_of(const Handle(Geom_Curve) & curve, double lo, double hi)
-{
-    if (Handle(Geom_TrimmedCurve) c = Handle(Geom_TrimmedCurve)::DownCast(curve); !c.IsNull())
-        return section_of(c->BasisCurve(), lo, hi);
-    if (Handle(Geom_Line) c = Handle(Geom_Line)::DownCast(curve); !c.IsNull()) {
-        section s = segment(lo, hi);
-        s.poles = {at(c->Value(lo), 1), at(c->Value(hi), 1)};
-        return s;
-    }
-    if (Handle(Geom_Circle) c = Handle(Geom_Circle)::DownCast(curve); !c.IsNull())
-        return image(arc(lo, hi), c->Location(), gp_Vec(c->Position().XDirection()) * c->Radius(),
-                     gp_Vec(c->Position().YDirection()) * c->Radius());
-    if (Handle(Geom_Ellipse) c = Handle(Geom_Ellipse)::DownCast(curve); !c.IsNull())
-        return image(arc(lo, hi), c->Location(), gp_Vec(c->Position().XDirection()) * c->MajorRadius(),
-                     gp_Vec(c->Position().YDirection()) * c->MinorRadius());
-    if (Handle(Geom_BSplineCurve) c = Handle(Geom_BSplineCurve)::DownCast(curve); !c.IsNull())
-        return spline_section(c, lo, hi);
-    Handle(Geom_Curve) part = new Geom_TrimmedCurve(curve, lo, hi);
-    if (curve->IsKind(STANDARD_TYPE(Geom_Parabola)) || curve->IsKind(STANDARD_TYPE(Geom_BezierCurve)))
-        return spline_section(GeomConvert::CurveToBSplineCurve(part), lo, hi); // keep their parameters
-    GeomConvert_ApproxCurve fit(part, approximation, GeomAbs_C1, MOST_SEGMENTS, MOST_DEGREE);
-    if (!fit.HasResult()) throw Standard_Failure("a curve cannot be approximated");
-    section s = spline_section(fit.Curve(), lo, hi);
-    s.error = fit.MaxError();
     return s;
 }
 
@@ -207,6 +188,9 @@ patch spline_patch(Handle(Geom_BSplineSurface) s, const double box[4])
     if (s->IsUPeriodic() || s->IsVPeriodic() || !clamped || u0 != box[0] || u1 != box[1] || v0 != box[2] ||
         v1 != box[3]) {
         s = Handle(Geom_BSplineSurface)::DownCast(s->Copy());
+        // Segment takes the wrong poles of a whole period
+        if (s->IsUPeriodic() && box[0] == u0 && std::fabs(box[1] - u1) <= 1e-9 * (u1 - u0)) s->SetUNotPeriodic();
+        if (s->IsVPeriodic() && box[2] == v0 && std::fabs(box[3] - v1) <= 1e-9 * (v1 - v0)) s->SetVNotPeriodic();
         s->Segment(box[0], box[1], box[2], box[3], 1e-9 * (box[1] - box[0]), 1e-9 * (box[3] - box[2]));
     }
     out.rational = s->IsURational() || s->IsVRational();
@@ -238,6 +222,33 @@ bool elementary(const Handle(Geom_Surface) & surface, double lo, double hi, sect
 
 } // namespace
 
+section section_of(const Handle(Geom_Curve) & curve, double lo, double hi)
+{
+    if (Handle(Geom_TrimmedCurve) c = Handle(Geom_TrimmedCurve)::DownCast(curve); !c.IsNull())
+        return section_of(c->BasisCurve(), lo, hi);
+    if (Handle(Geom_Line) c = Handle(Geom_Line)::DownCast(curve); !c.IsNull()) {
+        section s = segment(lo, hi);
+        s.poles = {at(c->Value(lo), 1), at(c->Value(hi), 1)};
+        return s;
+    }
+    if (Handle(Geom_Circle) c = Handle(Geom_Circle)::DownCast(curve); !c.IsNull())
+        return image(arc(lo, hi), c->Location(), gp_Vec(c->Position().XDirection()) * c->Radius(),
+                     gp_Vec(c->Position().YDirection()) * c->Radius());
+    if (Handle(Geom_Ellipse) c = Handle(Geom_Ellipse)::DownCast(curve); !c.IsNull())
+        return image(arc(lo, hi), c->Location(), gp_Vec(c->Position().XDirection()) * c->MajorRadius(),
+                     gp_Vec(c->Position().YDirection()) * c->MinorRadius());
+    if (Handle(Geom_BSplineCurve) c = Handle(Geom_BSplineCurve)::DownCast(curve); !c.IsNull())
+        return spline_section(c, lo, hi);
+    Handle(Geom_Curve) part = new Geom_TrimmedCurve(curve, lo, hi);
+    if (curve->IsKind(STANDARD_TYPE(Geom_Parabola)) || curve->IsKind(STANDARD_TYPE(Geom_BezierCurve)))
+        return spline_section(GeomConvert::CurveToBSplineCurve(part), lo, hi); // keep their parameters
+    GeomConvert_ApproxCurve fit(part, approximation, GeomAbs_C1, MOST_SEGMENTS, MOST_DEGREE);
+    if (!fit.HasResult()) throw Standard_Failure("a curve cannot be approximated");
+    section s = spline_section(fit.Curve(), lo, hi);
+    s.error = fit.MaxError();
+    return s;
+}
+
 double warp::at(double u) const
 {
     if (!arcs) return u;
@@ -252,6 +263,14 @@ double warp::slope(double u) const
     int i = std::min(std::max(static_cast<int>(std::floor((u - lo) / step)), 0), n - 1);
     double c = std::cos((u - lo - (i + 0.5) * step) / 2);
     return step / (4 * std::tan(step / 4) * c * c);
+}
+
+double warp::back(double x) const
+{
+    if (!arcs) return x;
+    int i = std::min(std::max(static_cast<int>(std::floor((x - lo) / step)), 0), n - 1);
+    double in = (x - lo) / step - i;
+    return lo + (i + 0.5) * step + 2 * std::atan((2 * in - 1) * std::tan(step / 4));
 }
 
 kn_cad_type type_of(const Handle(Geom_Surface) & surface)

@@ -24,6 +24,7 @@ struct warp {
     int n = 1;
     double at(double u) const;
     double slope(double u) const;
+    double back(double x) const; // of at
 };
 
 struct pole {
@@ -50,6 +51,8 @@ struct patch {
     double error = 0.0; // of what could only be approximated, as OCCT estimates it
 };
 
+// A curve over [lo,hi]. Exact where it is a line, a conic or a spline. Throws what OCCT throws.
+section section_of(const Handle(Geom_Curve) & curve, double lo, double hi);
 kn_cad_type type_of(const Handle(Geom_Surface) & surface);
 // Exact where the surface is made of lines, conics and splines. Throws what OCCT throws.
 patch patch_of(const Handle(Geom_Surface) & surface, const double box[4]); // u0, u1, v0, v1

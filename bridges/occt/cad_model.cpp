@@ -29,7 +29,15 @@ const double trim_tolerance = 1e-5; // mm
 struct shape {
     Handle(Geom_Surface) surface;
     bool reversed;
+    chart square;
     std::vector<use> uses; // one for each curve of the trim
+};
+
+// The curve of an edge in space.
+struct line {
+    bool there = false;
+    double first = 0.0, last = 1.0;
+    section curve;
 };
 
 struct converter {
@@ -38,10 +46,16 @@ struct converter {
     document *d;
     std::vector<shape> shapes;
     std::vector<kn_cad_edge> edges;
-    TopTools_IndexedMapOfShape known; // edges of the body at hand
-    size_t first_edge = 0, first_face = 0;
+    std::vector<kn_cad_vertex> vertices;
+    TopTools_IndexedMapOfShape known;   // edges of the body at hand
+    TopTools_IndexedMapOfShape corners; // and its vertices
+    size_t first_vertex = 0, first_edge = 0, first_face = 0;
     int dropped = 0;
     std::string why;
+    ~converter() // lines that the model has not got
+    {
+        for (kn_cad_edge &e : edges) kn_spline_clear(ctx, &e.line);
+    }
 };
 
 template <class T> T *array(kn_ctx *ctx, size_t n)
@@ -280,18 +294,20 @@ void convert(converter *k, kn_cad_face *out, shape *s, const face &f)
     set_name(out->name, f.name);
     out->type = type_of(s->surface);
     out->body = f.body;
+    out->shell = f.shell;
     out->colored = f.colored;
     for (int i = 0; i < 3; i++) out->color[i] = std::min(std::max(f.color[i], 0.0), 1.0);
     out->error = p.error;
     set_surface(k->ctx, &out->surface, p, s->reversed);
     set_trim(k, out, s, &loops, c);
+    s->square = c;
 }
 
 void clear_face(kn_ctx *ctx, kn_cad_face *f)
 {
     kn_spline_clear(ctx, &f->surface);
     kn_trim_clear(ctx, &f->trim);
-    kn_free(ctx, f->edge);
+    kn_free(ctx, f->edge), kn_free(ctx, f->use); // no use is known yet
     *f = kn_cad_face();
 }
 
@@ -362,10 +378,148 @@ void set_angle(const converter *k, kn_cad_edge *e)
     }
 }
 
+// ---- edges in space ----
+
+int vertex_of(converter *k, const TopoDS_Vertex &v)
+{
+    size_t before = static_cast<size_t>(k->corners.Extent());
+    size_t i = k->first_vertex + static_cast<size_t>(k->corners.Add(v.Oriented(TopAbs_FORWARD))) - 1;
+    if (static_cast<size_t>(k->corners.Extent()) > before) {
+        gp_Pnt p = BRep_Tool::Pnt(v);
+        kn_cad_vertex out;
+        for (int c = 0; c < 3; c++) out.at[c] = p.Coord(c + 1);
+        k->vertices.push_back(out);
+    }
+    return static_cast<int>(i);
+}
+
+void set_line(kn_ctx *ctx, kn_spline *out, const section &s)
+{
+    int count = static_cast<int>(s.poles.size()), comps = s.rational ? 4 : 3;
+    size_t n = s.poles.size();
+    const double *knots = s.knots.data();
+    std::vector<double> coef(static_cast<size_t>(comps) * n);
+    if (s.knots.size() != n + static_cast<size_t>(s.degree) + 1)
+        throw Standard_Failure("knots and poles of a curve do not agree");
+    for (size_t i = 0; i < n; i++) {
+        const double x[4] = {s.poles[i].x, s.poles[i].y, s.poles[i].z, s.poles[i].w};
+        for (int c = 0; c < comps; c++) coef[static_cast<size_t>(c) * n + i] = x[c];
+    }
+    check(kn_spline_init(ctx, out, 1, comps, s.rational, &s.degree, &count, &knots, coef.data()));
+    check(kn_spline_check(ctx, out));
+}
+
+// Of an edge that has a curve, ends and no more than two faces.
+line line_of(converter *k, kn_cad_edge *e, const TopoDS_Edge &edge)
+{
+    line out;
+    TopoDS_Vertex ends[2];
+    Handle(Geom_Curve) curve = BRep_Tool::Curve(edge, out.first, out.last);
+    TopExp::Vertices(edge, ends[0], ends[1]);
+    if (e->point || curve.IsNull() || ends[0].IsNull() || ends[1].IsNull() || !(out.first < out.last)) return out;
+    out.curve = section_of(curve, out.first, out.last);
+    set_line(k->ctx, &e->line, out.curve);
+    e->error = std::max(BRep_Tool::Tolerance(edge), out.curve.error);
+    for (int i = 0; i < 2; i++) {
+        const pole &p = i == 0 ? out.curve.poles.front() : out.curve.poles.back();
+        e->vertex[i] = vertex_of(k, ends[i]);
+        const double *v = k->vertices[static_cast<size_t>(e->vertex[i])].at;
+        e->error = std::max(e->error, std::hypot(p.x / p.w - v[0], p.y / p.w - v[1], p.z / p.w - v[2]));
+    }
+    out.there = true;
+    return out;
+}
+
+// How far the edge's curve is from the face at the same time, mm.
+double apart(kn_ctx *ctx, const kn_cad_face &f, const kn_spline &plane, const kn_spline &space)
+{
+    enum { PLACES = 5, MOST = 256 };
+    double lo[2], hi[2], worst = 0.0;
+    for (int d = 0; d < 2; d++) kn_spline_domain(&f.surface, d, &lo[d], &hi[d]);
+    double from = plane.knots[0][0], to = plane.knots[0][plane.count[0] + plane.degree[0]];
+    int n = std::min(PLACES * kn_spline_spans(&plane, 0) + 8, static_cast<int>(MOST));
+    for (int i = 0; i <= n; i++) {
+        double x = i == n ? to : from + (to - from) * i / n, at[2], p[3], q[3];
+        check(kn_spline_eval(ctx, at, &plane, &x));
+        for (int d = 0; d < 2; d++) at[d] = std::min(std::max(lo[d] + at[d] * (hi[d] - lo[d]), lo[d]), hi[d]);
+        check(kn_spline_eval(ctx, p, &f.surface, at));
+        check(kn_spline_eval(ctx, q, &space, &x));
+        worst = std::max(worst, std::hypot(p[0] - q[0], p[1] - q[1], p[2] - q[2]));
+    }
+    return worst;
+}
+
+// The use of an edge by curve i of a face, at the times of the edge's curve. False: it cannot be told.
+bool set_plane(converter *k, kn_cad_face *f, const shape &s, int i, const line &l)
+{
+    kn_cad_edge *e = &k->edges[static_cast<size_t>(f->edge[i])];
+    const kn_spline &curve = f->trim.curves[i];
+    const use &u = s.uses[static_cast<size_t>(i)];
+    outline o = paced_outline(u, s.square, l.curve, l.first, l.last, trim_tolerance);
+    bool against = u.reversed != s.reversed;
+    int n = curve.count[0];
+    for (double &x : o.x) x = s.reversed ? 1.0 - x : x;
+    for (int d = 0; d < 2; d++) {
+        std::vector<double> &x = d == 0 ? o.x : o.y;
+        const double *to = curve.coef + d * n;
+        if (std::all_of(to, to + n, [&](double v) { return v == to[0]; })) std::fill(x.begin(), x.end(), to[0]);
+        x.front() = to[against ? n - 1 : 0], x.back() = to[against ? 0 : n - 1];
+        for (double v : x)
+            if (!(v >= -1.0 && v <= 2.0)) return false;
+    }
+    set_curve(k->ctx, &f->use[i].plane, o);
+    f->use[i].against = against;
+    check(kn_spline_check(k->ctx, &f->use[i].plane));
+    double off = apart(k->ctx, *f, f->use[i].plane, e->line);
+    e->error = std::max(e->error, off);
+    return off <= std::max(0.01, 4 * BRep_Tool::Tolerance(u.edge));
+}
+
+// Curves in space of the body's edges, and where its faces have them. An edge that is far from one of its faces has none.
+void set_lines(converter *k)
+{
+    std::vector<line> lines(k->edges.size() - k->first_edge);
+    auto guarded = [&](auto work) {
+        try {
+            return work();
+        } catch (const Standard_Failure &) {
+            return false;
+        } catch (const failed &failure) {
+            if (failure.status == KN_ENOMEM) throw;
+            kn_ctx_clear_error(k->ctx);
+            return false;
+        }
+    };
+    for (size_t i = 0; i < lines.size(); i++)
+        guarded([&] {
+            lines[i] = line_of(k, &k->edges[k->first_edge + i], TopoDS::Edge(k->known(static_cast<int>(i) + 1)));
+            return true;
+        });
+    for (size_t at = k->first_face; at < static_cast<size_t>(k->cad->nfaces); at++) {
+        kn_cad_face *f = &k->cad->faces[at];
+        const shape &s = k->shapes[at];
+        if (s.uses.empty()) continue;
+        f->use = array<kn_cad_use>(k->ctx, static_cast<size_t>(f->trim.ncurves));
+        for (int i = 0; i < f->trim.ncurves; i++) {
+            line &l = lines[static_cast<size_t>(f->edge[i]) - k->first_edge];
+            if (l.there && !guarded([&] { return set_plane(k, f, s, i, l); })) l.there = false;
+        }
+    }
+    for (size_t at = k->first_face; at < static_cast<size_t>(k->cad->nfaces); at++) {
+        kn_cad_face *f = &k->cad->faces[at];
+        for (int i = 0; f->use && i < f->trim.ncurves; i++)
+            if (!lines[static_cast<size_t>(f->edge[i]) - k->first_edge].there)
+                kn_spline_clear(k->ctx, &f->use[i].plane), f->use[i].against = false;
+    }
+    for (size_t i = 0; i < lines.size(); i++)
+        if (!lines[i].there) kn_spline_clear(k->ctx, &k->edges[k->first_edge + i].line);
+}
+
 // Its faces are those from first_face on.
 void end_body(converter *k, int body, bool whole)
 {
     for (int i = static_cast<int>(k->first_face); i < k->cad->nfaces; i++) note_edges(k, i);
+    set_lines(k);
     bool closed = whole;
     for (size_t i = k->first_edge; i < k->edges.size(); i++)
         closed = closed && (k->edges[i].point || (k->edges[i].face[1] >= 0 && !k->edges[i].more));
@@ -378,7 +532,8 @@ void end_body(converter *k, int body, bool whole)
         for (int j = 0; j < 4; j++) out->place[4 * i + j] = from.place.Value(i + 1, j + 1);
     k->cad->nbodies++;
     for (int i = 1; i <= k->known.Extent(); i++) k->d->edges.push_back(TopoDS::Edge(k->known(i)));
-    k->known.Clear();
+    k->known.Clear(), k->corners.Clear();
+    k->first_vertex = k->vertices.size();
     k->first_edge = k->edges.size();
     k->first_face = static_cast<size_t>(k->cad->nfaces);
 }
@@ -402,6 +557,10 @@ void model_of(kn_ctx *ctx, kn_cad *out, document *d, const char *path)
     out->edges = array<kn_cad_edge>(ctx, k.edges.size());
     out->nedges = static_cast<int>(k.edges.size());
     std::copy(k.edges.begin(), k.edges.end(), out->edges);
+    k.edges.clear();
+    out->vertices = array<kn_cad_vertex>(ctx, k.vertices.size());
+    out->nvertices = static_cast<int>(k.vertices.size());
+    std::copy(k.vertices.begin(), k.vertices.end(), out->vertices);
     for (int i = 0; i < out->nedges; i++) set_angle(&k, &out->edges[i]);
     size_t all = d->faces.size() + static_cast<size_t>(d->unread);
     d->faces.swap(kept);

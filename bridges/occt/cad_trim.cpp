@@ -76,9 +76,11 @@ void evaluate(const use &u, const chart &c, double s, double p[2], double d[2])
 {
     gp_Pnt2d q;
     gp_Vec2d v;
-    u.curve->D1(s, q, v);
+    u.curve->D1(u.at(s), q, v);
     c.at(q, p);
     c.along(q, v, d);
+    double slope = u.slope(s);
+    d[0] *= slope, d[1] *= slope;
 }
 
 // How far the curve is from the cubic at its quarters, mm.
@@ -128,9 +130,21 @@ std::vector<double> breaks(const use &u)
     for (int i = 2; i <= n; i++)
         if (at(i) > out.back() && at(i) < u.last) out.push_back(at(i));
     out.push_back(u.last);
+    if (u.paced) {
+        for (double &x : out) x = u.pace.at(u.from + (x - u.first) / u.rate);
+        out.front() = u.ends[0], out.back() = u.ends[1];
+        for (int i = 1; u.pace.arcs && i < u.pace.n; i++) out.push_back(u.pace.lo + i * u.pace.step);
+        std::sort(out.begin(), out.end());
+        double near = 1e-9 * (u.ends[1] - u.ends[0]);
+        std::vector<double> apart = {u.ends[0]};
+        for (double x : out)
+            if (x > apart.back() + near && x < u.ends[1] - near) apart.push_back(x);
+        apart.push_back(u.ends[1]);
+        out = apart;
+    }
     if (out.size() < 3) { // a closed conic agrees with its chord everywhere that is looked at, or nearly
-        double first = u.first, h = (u.last - u.first) / 4;
-        out = {first, first + h, first + 2 * h, first + 3 * h, u.last};
+        double first = out.front(), last = out.back(), h = (last - first) / 4;
+        out = {first, first + h, first + 2 * h, first + 3 * h, last};
     }
     return out;
 }
@@ -156,7 +170,7 @@ outline fitted(const use &u, const chart &c, double tolerance)
         out.x.push_back(k.p1[0] - h * k.d1[0]), out.y.push_back(k.p1[1] - h * k.d1[1]);
     }
     out.x.push_back(all.back().p1[0]), out.y.push_back(all.back().p1[1]);
-    for (int m = 0; m < 4; m++) out.knots.push_back(u.last);
+    for (int m = 0; m < 4; m++) out.knots.push_back(at.back());
     return out;
 }
 
@@ -203,12 +217,42 @@ bool as_it_is(outline *out, const use &u, const chart &c)
            out->knots[out->x.size()] == out->knots.back();
 }
 
+// The chord, where that is the curve at the right times.
+bool straight_in_time(outline *out, const use &u, const chart &c)
+{
+    enum { PLACES = 17 };
+    const double exact = 1e-8; // mm
+    double p[2], q[2], x[2], d[2];
+    evaluate(u, c, u.ends[0], p, d);
+    evaluate(u, c, u.ends[1], q, d);
+    for (int i = 1; i < PLACES; i++) {
+        double t = static_cast<double>(i) / PLACES;
+        evaluate(u, c, u.ends[0] + t * (u.ends[1] - u.ends[0]), x, d);
+        double off[2];
+        for (int k = 0; k < 2; k++) off[k] = ((1 - t) * p[k] + t * q[k] - x[k]) * c.size[k];
+        if (!(std::hypot(off[0], off[1]) <= exact)) return false;
+    }
+    out->knots = {u.ends[0], u.ends[0], u.ends[1], u.ends[1]};
+    out->x = {p[0], q[0]}, out->y = {p[1], q[1]};
+    return true;
+}
+
 bool along_axis(const gp_Dir2d &d)
 {
     return std::fabs(d.X()) < 1e-12 || std::fabs(d.Y()) < 1e-12;
 }
 
 } // namespace
+
+double use::at(double x) const
+{
+    return paced ? first + (pace.back(x) - from) * rate : x;
+}
+
+double use::slope(double x) const
+{
+    return paced ? rate / pace.slope(pace.back(x)) : 1.0;
+}
 
 void chart::at(const gp_Pnt2d &p, double out[2]) const
 {
@@ -281,6 +325,16 @@ outline outline_of(const use &u, const chart &c, double tolerance)
     if (!line.IsNull() && (!warped || along_axis(line->Direction()))) return straight(u, c);
     if (!warped && as_it_is(&out, u, c)) return out;
     return fitted(u, c, tolerance);
+}
+
+outline paced_outline(use u, const chart &c, const section &line, double first, double last, double tolerance)
+{
+    u.paced = true;
+    u.pace = line.w;
+    u.from = first, u.rate = (u.last - u.first) / (last - first);
+    u.ends[0] = line.knots.front(), u.ends[1] = line.knots.back();
+    outline out;
+    return straight_in_time(&out, u, c) ? out : fitted(u, c, tolerance);
 }
 
 } // namespace kn_occt

@@ -21,6 +21,12 @@ struct use {
     double first, last;
     bool reversed; // the loop runs from last to first
     bool degenerate;
+    // The parameter in which the curve in the square is made: OCCT's u is first + (pace.back(x) - from) * rate.
+    warp pace;
+    double from = 0.0, rate = 1.0, ends[2] = {0.0, 0.0}; // x at first and last
+    bool paced = false;                                  // else x is u
+    double at(double x) const;
+    double slope(double x) const; // du / dx
 };
 typedef std::vector<use> loop;
 
@@ -46,6 +52,9 @@ std::vector<loop> loops_of(const TopoDS_Face &shape);
 void box_of(double box[4], const TopoDS_Face &face, const std::vector<loop> &loops);
 // Lines and polynomial splines as they are, others as cubics that are met to about tolerance, mm.
 outline outline_of(const use &u, const chart &c, double tolerance);
+// In the parameter of an edge's curve in space, which is `line` over OCCT's [first,last]: all of it at the right time,
+// to about tolerance.
+outline paced_outline(use u, const chart &c, const section &line, double first, double last, double tolerance);
 
 } // namespace kn_occt
 

@@ -3,6 +3,7 @@
 #include <cstdio>
 #include <cstring>
 
+#include <BRepClass3d.hxx>
 #include <BRepTools.hxx>
 #include <BRep_Builder.hxx>
 #include <IGESCAFControl_Reader.hxx>
@@ -22,6 +23,8 @@
 #include <TopTools_ShapeMapHasher.hxx>
 #include <TopoDS.hxx>
 #include <TopoDS_Compound.hxx>
+#include <TopoDS_Shell.hxx>
+#include <TopoDS_Solid.hxx>
 #include <TransferBRep.hxx>
 #include <Transfer_TransientProcess.hxx>
 #include <XCAFDoc_ColorTool.hxx>
@@ -148,13 +151,13 @@ const note *note_of(const notes &all, const TopoDS_Shape &shape)
 }
 
 // The faces of one body. inherited: what it has that they do not say themselves.
-void add_faces(document *out, TopTools_MapOfShape *seen, const TopoDS_Shape &shape, const notes &all,
+void add_faces(document *out, TopTools_MapOfShape *seen, const TopoDS_Shape &shape, int shell, const notes &all,
                const notes &entities, const paint &inherited)
 {
     for (TopExp_Explorer e(shape, TopAbs_FACE); e.More(); e.Next()) {
         TopoDS_Face f = TopoDS::Face(e.Current());
         if (f.Orientation() == TopAbs_INTERNAL || f.Orientation() == TopAbs_EXTERNAL || !seen->Add(f)) continue;
-        face item = {f, std::string(), static_cast<int>(out->bodies.size()) - 1, inherited.there, {0, 0, 0}};
+        face item = {f, std::string(), static_cast<int>(out->bodies.size()) - 1, shell, inherited.there, {0, 0, 0}};
         paint color = inherited;
         if (const note *n = note_of(entities, f.Located(TopLoc_Location()))) item.name = n->name;
         if (const note *n = note_of(all, f)) {
@@ -173,6 +176,15 @@ paint inherited_by(const notes &all, const TopoDS_Shape &shape, const paint &abo
     return n && n->color.there ? n->color : above;
 }
 
+// Of a solid with several; null: there is nothing to tell apart.
+TopoDS_Shape outer_shell(const TopoDS_Shape &shape)
+{
+    TopExp_Explorer e(shape, TopAbs_SHELL);
+    if (shape.ShapeType() != TopAbs_SOLID || !e.More()) return TopoDS_Shape();
+    e.Next();
+    return e.More() ? BRepClass3d::OuterShell(TopoDS::Solid(shape)) : TopoDS_Shape();
+}
+
 // Solids, then shells outside solids, then the faces outside shells as one body.
 void add_bodies(document *out, const part &p, const std::string &name, const notes &all, const notes &entities)
 {
@@ -181,9 +193,12 @@ void add_bodies(document *out, const part &p, const std::string &name, const not
         out->bodies.push_back(body{shape, name, p.instances, p.place});
         size_t before = out->faces.size();
         paint color = inherited_by(all, shape, p.color);
+        TopoDS_Shape outer = outer_shell(shape);
+        int shells = 0;
         for (TopExp_Explorer e(shape, TopAbs_SHELL); e.More(); e.Next())
-            add_faces(out, &seen, e.Current(), all, entities, inherited_by(all, e.Current(), color));
-        add_faces(out, &seen, shape, all, entities, color);
+            add_faces(out, &seen, e.Current(), outer.IsNull() || e.Current().IsSame(outer) ? 0 : ++shells, all,
+                      entities, inherited_by(all, e.Current(), color));
+        add_faces(out, &seen, shape, 0, all, entities, color);
         if (out->faces.size() == before) out->bodies.pop_back();
     };
     for (TopExp_Explorer e(p.shape, TopAbs_SOLID); e.More(); e.Next()) add(e.Current());

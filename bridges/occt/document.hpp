@@ -28,6 +28,7 @@ struct face {
     TopoDS_Face shape; // with its orientation in the body
     std::string name;
     int body;
+    int shell; // of the body; 0: the outer one
     bool colored;
     double color[3]; // linear RGB
 };

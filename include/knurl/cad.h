@@ -26,10 +26,19 @@ typedef enum kn_cad_type {
     KN_CAD_TYPES
 } kn_cad_type;
 
+// How a curve of a trim lies along its edge.
+typedef struct kn_cad_use {
+    // In the square, over the domain of the edge's line: where that point of the edge is, within kn_cad_edge.error. It
+    // has the ends of the trim's curve. Empty: not known.
+    kn_spline plane;
+    bool against; // the trim's curve runs the other way
+} kn_cad_use;
+
 typedef struct kn_cad_face {
     char name[KN_NAME_BYTES]; // UTF-8; "": none
     kn_cad_type type;
     int body;
+    int shell; // of the body, by which it is closed by itself; 0: the outer one, others are around voids
     bool colored;
     double color[3]; // linear RGB
     // Over the box of the face's trim, in millimetres, in the coordinates of its body; Su x Sv looks out of it.
@@ -39,18 +48,27 @@ typedef struct kn_cad_face {
     // In the square [0,1]^2 that stands for the surface's domain, never empty; curve k lies along edge[k].
     kn_trim trim;
     int *edge;
-    bool whole; // the trim is the whole square: one loop along its sides
+    kn_cad_use *use; // of each curve; NULL: nothing is known
+    bool whole;      // the trim is the whole square: one loop along its sides
 } kn_cad_face;
 
 typedef struct kn_cad_edge {
-    // The uses of the edge: a face and the curve of its trim. face[1] -1: the edge is open. A seam is used
-    // twice by one
+    // The uses of the edge: a face and the curve of its trim. face[1] -1: the edge is open. A seam is used twice by one
     // face. An edge of more than two faces has the first two, and `more`.
     int face[2], curve[2];
     bool more;
     bool point;   // collapsed to one: the pole of a sphere
     double angle; // the largest between the outward normals of its two faces, of some along it, radians
+    // In millimetres, as the file has it; empty: not known, as of points. Then, where it starts and ends, and how far it
+    // may be from these and from its faces, mm, as the file says or as measured at some places, whichever is more.
+    kn_spline line;
+    int vertex[2];
+    double error;
 } kn_cad_edge;
+
+typedef struct kn_cad_vertex {
+    double at[3]; // mm
+} kn_cad_vertex;
 
 typedef struct kn_cad_body {
     char name[KN_NAME_BYTES]; // of its part
@@ -65,6 +83,8 @@ typedef struct kn_cad {
     int nfaces;
     kn_cad_edge *edges;
     int nedges;
+    kn_cad_vertex *vertices; // of edges that have lines
+    int nvertices;
     kn_cad_body *bodies;
     int nbodies;
 } kn_cad;
@@ -77,11 +97,12 @@ KN_API const char *kn_cad_type_name(kn_cad_type type);
 // KN_OK, or KN_EDOMAIN with a message that names the face, edge or body: numbers of a face, curve, edge or body that
 // there is not, an edge and a curve that do not name each other, a surface that is none in three dimensions, an empty
 // trim, one called whole that is not, colours outside [0,1], an angle outside [0, pi], a placement or an error that
-// is not finite or negative, a name that does not end or has control characters. Also what kn_spline_check and
-// kn_trim_check find, and KN_ENOMEM.
+// is not finite or negative, a name that does not end or has control characters; an edge's line that is none in three
+// dimensions, or ends further than its error from its vertices; a use's plane without such a line, of another domain, or with
+// other ends than the trim's curve. Also what kn_spline_check and kn_trim_check find, and KN_ENOMEM.
 KN_API KN_CHECKED kn_status kn_cad_check(kn_ctx *ctx, const kn_cad *cad);
 
-// The model as bytes (version 1; little-endian, doubles as IEEE 754 has them), for kn_cad_parse on any machine.
+// The model as bytes (version 2; little-endian, doubles as IEEE 754 has them), for kn_cad_parse on any machine.
 // in:    what kn_cad_check accepts.
 // out:   *data, *bytes of it: kn_free.
 // fails: KN_ENOMEM; out unchanged.

@@ -238,6 +238,7 @@ typedef struct kn_job_report {
     double fit_tolerance;
     // The most that one patch's trim has: curves, and their spans (those of a degree above 1 count 8 times).
     size_t trim_curves, trim_spans;
+    double edge_error; // the most that kn_patch_bounds say
 } kn_job_report;
 
 // Stable identity of an output patch.
@@ -250,6 +251,25 @@ typedef struct kn_patch_id {
     int instance; // 0 .. of the tiles that a cell has (scatter)
     int layer;    // kn_job_run_layers
 } kn_patch_id;
+
+// An edge of a trimmed patch that others have, too: those whose number, curve, vertices and points are the same, bit for
+// bit. The curve may run either way along the trim's.
+typedef struct kn_patch_edge {
+    uint64_t number;        // from 0 on
+    const kn_spline *curve; // in space, over [a,b]; NULL: this curve of the trim is known by itself alone
+    const kn_spline *plane; // of dimension 2, polynomial, over [a,b]: the same in the patch's square
+    bool against;           // the trim's curve runs from b to a
+    uint64_t vertex[2];     // numbers of the points where the curve starts and ends
+    const double *point[2];
+} kn_patch_edge;
+// What is around a patch.
+typedef struct kn_patch_bounds {
+    const kn_patch_edge *edges; // one for each curve of the patch's trim
+    // The solid that it belongs to, counted from 0, and by which of its shells; 0: the outer one, others are around
+    // voids. body -1: whatever closes is a solid.
+    int body, shell;
+    double error; // how far the edges' curves may be from the patch and from their points, length units
+} kn_patch_bounds;
 
 typedef struct kn_patch {
     kn_patch_id id;
@@ -264,6 +284,7 @@ typedef struct kn_patch {
     // may have more knots. NULL: the ends of spline or bezier themselves.
     const kn_spline *edge;
     const kn_trim *trim; // of a surface: what there is of it, in its [0,1]^2; NULL: all
+    const kn_patch_bounds *bounds; // of a trimmed surface; NULL: nothing is known
     const kn_mesh *mesh; // not NULL: a mapped part of a mesh; bezier is then empty
     bool reversed;       // outward is -(r x t): the job's height is negative
     bool exact;          // false: composed with a stand-in for n

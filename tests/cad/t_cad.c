@@ -9,7 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { FACES = 6, EDGES = 12 };
+enum { FACES = 6, EDGES = 12, CORNERS = 8 };
 
 // A face of the box [0,1] x [0,2] x [0,3]: P(u,v) = o + u a + v b, a x b outwards, over [0,2] x [1,2].
 static const double corner[FACES][3][3] = {
@@ -64,12 +64,41 @@ static void *owned(kn_ctx *ctx, size_t n, size_t size)
     return block;
 }
 
+// The number of a corner of the box.
+static int corner_at(kn_cad *cad, const double x[3])
+{
+    int v = 0;
+    while (v < cad->nvertices && memcmp(cad->vertices[v].at, x, sizeof cad->vertices[v].at) != 0) v++;
+    assert_true(v < CORNERS);
+    if (v == cad->nvertices) memcpy(cad->vertices[cad->nvertices++].at, x, sizeof cad->vertices[v].at);
+    return v;
+}
+
+// The line of a side's edge, as the first face has it, and where the side has that line.
+static void set_line(kn_ctx *ctx, kn_cad *cad, int face, int side)
+{
+    const double knots[4] = {2, 2, 5, 5}, *all = knots;
+    kn_cad_edge *e = &cad->edges[cad->faces[face].edge[side]];
+    kn_cad_use *use = &cad->faces[face].use[side];
+    double end[2][3], line[6], plane[4];
+    for (int k = 0; k < 2; k++) place_of(end[k], corner[face], sides[side + k]);
+    if (e->line.nvars == 0) {
+        for (int k = 0; k < 2; k++) e->vertex[k] = corner_at(cad, end[k]);
+        for (int c = 0; c < 6; c++) line[c] = end[c % 2][c / 2];
+        assert_int_equal(kn_spline_init(ctx, &e->line, 1, 3, false, (int[]){1}, (int[]){2}, &all, line), KN_OK);
+    }
+    use->against = corner_at(cad, end[0]) != e->vertex[0];
+    for (int c = 0; c < 4; c++) plane[c] = sides[side + (c % 2 != use->against)][c / 2];
+    assert_int_equal(kn_spline_init(ctx, &use->plane, 1, 2, false, (int[]){1}, (int[]){2}, &all, plane), KN_OK);
+}
+
 static void make_box(kn_ctx *ctx, kn_cad *cad)
 {
     static const char *const names[FACES] = {"bottom", "top", "front", "back", "left", "right grip"};
     double middle[EDGES][3];
     *cad = (kn_cad){.faces = owned(ctx, FACES, sizeof *cad->faces),
                     .edges = owned(ctx, EDGES, sizeof *cad->edges),
+                    .vertices = owned(ctx, CORNERS, sizeof *cad->vertices),
                     .bodies = owned(ctx, 1, sizeof *cad->bodies),
                     .nbodies = 1};
     cad->bodies[0] = (kn_cad_body){.name = "box", .solid = true, .instances = 2};
@@ -84,6 +113,8 @@ static void make_box(kn_ctx *ctx, kn_cad *cad)
         f->error = i, f->trim_error = 2 * i;
         set_plane(ctx, f, corner[i]);
         f->edge = owned(ctx, 4, sizeof(int));
+        f->use = owned(ctx, 4, sizeof *f->use);
+        f->shell = i / 5;
         f->trim = (kn_trim){owned(ctx, 4, sizeof(kn_spline)), 4, owned(ctx, 1, sizeof(int)), 1};
         f->trim.loop_end[0] = 4;
         for (int k = 0; k < 4; k++) {
@@ -92,6 +123,7 @@ static void make_box(kn_ctx *ctx, kn_cad *cad)
             assert_int_equal(kn_spline_init(ctx, &f->trim.curves[k], 1, 2, false, (int[]){1}, (int[]){2}, &all, coef),
                              KN_OK);
             note_edge(cad, middle, i, k);
+            set_line(ctx, cad, i, k);
         }
         cad->nfaces++;
     }
@@ -114,6 +146,9 @@ static void assert_same(const kn_cad *a, const kn_cad *b)
     assert_int_equal(a->nfaces, b->nfaces);
     assert_int_equal(a->nedges, b->nedges);
     assert_int_equal(a->nbodies, b->nbodies);
+    assert_int_equal(a->nvertices, b->nvertices);
+    for (int i = 0; i < a->nvertices; i++)
+        assert_memory_equal(a->vertices[i].at, b->vertices[i].at, sizeof a->vertices[i].at);
     for (int i = 0; i < a->nbodies; i++) {
         assert_string_equal(a->bodies[i].name, b->bodies[i].name);
         assert_int_equal(a->bodies[i].solid, b->bodies[i].solid);
@@ -125,11 +160,14 @@ static void assert_same(const kn_cad *a, const kn_cad *b)
         assert_memory_equal(e->face, g->face, sizeof e->face);
         assert_memory_equal(e->curve, g->curve, sizeof e->curve);
         assert_true(e->more == g->more && e->point == g->point && e->angle == g->angle);
+        assert_true(same_spline(&e->line, &g->line) && e->error == g->error);
+        assert_memory_equal(e->vertex, g->vertex, sizeof e->vertex);
     }
     for (int i = 0; i < a->nfaces; i++) {
         const kn_cad_face *f = &a->faces[i], *g = &b->faces[i];
         assert_string_equal(f->name, g->name);
-        assert_true(f->type == g->type && f->body == g->body && f->colored == g->colored && f->whole == g->whole);
+        assert_true(f->type == g->type && f->body == g->body && f->shell == g->shell && f->colored == g->colored &&
+                    f->whole == g->whole);
         assert_true(f->error == g->error && f->trim_error == g->trim_error);
         assert_memory_equal(f->color, g->color, sizeof f->color);
         assert_true(same_spline(&f->surface, &g->surface));
@@ -138,6 +176,7 @@ static void assert_same(const kn_cad *a, const kn_cad *b)
         for (int k = 0; k < f->trim.ncurves; k++) {
             assert_int_equal(f->edge[k], g->edge[k]);
             assert_true(same_spline(&f->trim.curves[k], &g->trim.curves[k]));
+            assert_true(same_spline(&f->use[k].plane, &g->use[k].plane) && f->use[k].against == g->use[k].against);
         }
     }
 }
@@ -173,8 +212,8 @@ static void through_bytes(void **state)
     kn_cad back = {0};
     assert_int_equal(kn_cad_write(s.ctx, &data, &bytes, &s.cad), KN_OK);
     // the head, a double at its place: 1.5 = 0x3ff8 of the placement, low byte first
-    assert_memory_equal(data, "KNCAD\0\0\1\1\0\0\0\14\0\0\0\6\0\0\0box", 23);
-    assert_memory_equal(data + 20 + 64 + 8 + 3 * 8, "\0\0\0\0\0\0\370\77", 8);
+    assert_memory_equal(data, "KNCAD\0\0\2\1\0\0\0\10\0\0\0\14\0\0\0\6\0\0\0box", 27);
+    assert_memory_equal(data + 24 + 64 + 8 + 3 * 8, "\0\0\0\0\0\0\370\77", 8);
     assert_int_equal(kn_cad_parse(s.ctx, &back, "bytes", data, bytes), KN_OK);
     assert_same(&s.cad, &back);
     assert_int_equal(kn_cad_parse(s.ctx, &back, "bytes", data, bytes), KN_OK); // over what is there
@@ -185,7 +224,7 @@ static void through_bytes(void **state)
     kn_cad none = {0};
     kn_free(s.ctx, twice);
     assert_int_equal(kn_cad_write(s.ctx, &twice, &again, &none), KN_OK);
-    assert_int_equal(again, 20);
+    assert_int_equal(again, 24);
     assert_int_equal(kn_cad_parse(s.ctx, &back, "none", twice, again), KN_OK);
     assert_int_equal(back.nfaces, 0);
     kn_free(s.ctx, data), kn_free(s.ctx, twice);
@@ -229,13 +268,13 @@ static void damaged_bytes(void **state)
     kn_ctx_clear_error(s.ctx);
     assert_int_equal(kn_cad_parse(s.ctx, &out, "more", more, bytes + 1), KN_EPARSE);
     assert_non_null(strstr(kn_ctx_message(s.ctx), "after the end"));
-    more[7] = 2;
+    more[7] = 3;
     kn_ctx_clear_error(s.ctx);
     assert_int_equal(kn_cad_parse(s.ctx, &out, "newer", more, bytes), KN_EPARSE);
-    assert_string_equal(kn_ctx_message(s.ctx), "newer: byte 7: version 2, not 1");
+    assert_string_equal(kn_ctx_message(s.ctx), "newer: byte 7: version 3, not 2");
     // 2^31 - 1 faces in a few bytes: refused before anything is allocated
     memcpy(more, data, bytes);
-    memset(more + 16, 0xff, 4), more[19] = 0x7f;
+    memset(more + 20, 0xff, 4), more[23] = 0x7f;
     size_t before = kn_ctx_counters(s.ctx).peak_bytes;
     assert_int_equal(kn_cad_parse(s.ctx, &out, "huge", more, bytes), KN_EPARSE);
     assert_int_equal(kn_ctx_counters(s.ctx).peak_bytes, before);
@@ -251,6 +290,14 @@ static void refused(scene *s, const char *message)
     if (!strstr(kn_ctx_message(s->ctx), message)) fail_msg("%s, not %s", kn_ctx_message(s->ctx), message);
 }
 
+// Where the line of an edge ends.
+static int end_of(kn_cad *cad, int edge)
+{
+    double x[3];
+    for (int c = 0; c < 3; c++) x[c] = cad->edges[edge].line.coef[2 * c + 1];
+    return corner_at(cad, x);
+}
+
 static void what_is_no_model(void **state)
 {
     (void)state;
@@ -263,6 +310,23 @@ static void what_is_no_model(void **state)
     assert_null(kn_cad_type_name(KN_CAD_TYPES));
     assert_string_equal(kn_cad_type_name(KN_CAD_CYLINDER), "cylinder");
     f->body = 1, refused(&s, "face 2: body 1 of 1"), f->body = 0;
+    f->shell = -1, refused(&s, "face 2: shell -1"), f->shell = 0;
+    s.cad.nvertices = -1, refused(&s, "-1 vertices"), s.cad.nvertices = CORNERS;
+    e->vertex[1] = CORNERS, refused(&s, "edge 3: vertex 8 of 8"), e->vertex[1] = e->vertex[0];
+    refused(&s, "edge 3 does not end at vertex");
+    e->error = 10.0, assert_int_equal(kn_cad_check(s.ctx, &s.cad), KN_OK); // so far that may be
+    e->error = NAN, refused(&s, "edge 3: error"), e->error = 0.0;
+    e->vertex[1] = end_of(&s.cad, 3);
+    e->point = true, refused(&s, "edge 3: no line"), e->point = false;
+    e->line.ncomp = 2, refused(&s, "edge 3: no line"), e->line.ncomp = 3;
+    e->line.knots[0][0] = e->line.knots[0][1] = 1.0, refused(&s, "does not lie along edge 3");
+    e->line.knots[0][0] = e->line.knots[0][1] = 2.0;
+    kn_spline *plane = &f->use[1].plane;
+    plane->coef[0] = 0.25, refused(&s, "face 2, curve 1: its plane"), plane->coef[0] = 1.0;
+    f->use[1].against = !f->use[1].against, refused(&s, "face 2, curve 1: its plane");
+    f->use[1].against = !f->use[1].against;
+    plane->knots[0][0] = 9.0, refused(&s, "knot"), plane->knots[0][0] = 2.0;
+    assert_int_equal(kn_cad_check(s.ctx, &s.cad), KN_OK);
     f->color[1] = 1.5, refused(&s, "colour 1.5"), f->color[1] = NAN, refused(&s, "colour"), f->color[1] = 0;
     f->error = -1, refused(&s, "errors -1"), f->error = 0;
     f->trim_error = INFINITY, refused(&s, "errors 0, inf"), f->trim_error = 0;
@@ -360,7 +424,7 @@ static void near_a_trimmed_face(void **state)
     // (0,0) (1,0) (0,1): the second side runs across, the third is (0,1) (0,0), the last goes
     c[1].coef[0] = 1, c[1].coef[1] = 0, c[1].coef[2] = 0, c[1].coef[3] = 1;
     c[2].coef[0] = 0, c[2].coef[1] = 0, c[2].coef[2] = 1, c[2].coef[3] = 0;
-    kn_spline_clear(s.ctx, &c[3]);
+    kn_spline_clear(s.ctx, &c[3]), kn_spline_clear(s.ctx, &f->use[3].plane);
     f->trim.ncurves = f->trim.loop_end[0] = 3;
     assert_int_equal(kn_trim_check(s.ctx, &f->trim), KN_OK);
     // Above (0.9, 1.8): the triangle x + y / 2 <= 1, z = 3 is hypot(2.5, distance in the plane) away, the distance in
@@ -400,11 +464,11 @@ static void out_of_memory(void **state)
     s.cad.faces[0].trim.ncurves = 4;
     s.cad.nedges = 4;
     for (int i = 0; i < 4; i++) {
-        s.cad.edges[i] = (kn_cad_edge){.face = {0, -1}, .curve = {i, -1}};
-        s.cad.faces[0].edge[i] = i;
+        assert_int_equal(s.cad.faces[0].edge[i], i);
+        s.cad.edges[i].face[1] = s.cad.edges[i].curve[1] = -1;
     }
     test_allocation_failures(round_trip, &s);
-    s.cad.nfaces = FACES; // so that all is cleared
+    s.cad.nfaces = FACES, s.cad.nedges = EDGES; // so that all is cleared
     end(&s);
 }
 

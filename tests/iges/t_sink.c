@@ -18,6 +18,7 @@ typedef struct world {
     kn_ctx *ctx;
     test_tile tile;
     kn_patch patch[PATCHES];
+    kn_iges_options options;
     char path[TEST_PATH_BYTES], parameters[TEST_PATH_BYTES];
 } world;
 
@@ -382,7 +383,7 @@ static kn_status feed_sink(kn_ctx *ctx, void *user)
     world *w = user;
     kn_sink sink;
     kn_job_report report = test_report(PATCHES, 4, 3);
-    kn_status status = kn_iges_sink(ctx, &sink, w->path, NULL);
+    kn_status status = kn_iges_sink(ctx, &sink, w->path, &w->options);
     if (status != KN_OK) return status;
     status = test_feed(ctx, &sink, &w->tile.tile, &report, w->patch, PATCHES, 4);
     kn_sink_close(ctx, &sink);
@@ -403,13 +404,18 @@ static void without_memory(void **state)
     assert_int_equal(kn_trim_cut(w.ctx, &side[0], &side[1], &report, &whole, &f, 1e-2), KN_OK);
     w.patch[2].trim = &side[0], w.patch[7].trim = &side[1];
     w.patch[7].reversed = true;
-    test_allocation_failures(feed_sink, &w);
-    char *text = write_iges(&w, NULL, PATCHES, 4);
-    counts n = expect_consistent(text);
-    assert_int_equal(n.of[144], 2);
-    assert_int_equal(n.of[142], 2);
-    assert_int_equal(n.of[102], 4);
-    free(text);
+    for (int surfaces = 0; surfaces < 2; surfaces++) {
+        w.options.surfaces = surfaces;
+        test_allocation_failures(feed_sink, &w);
+        char *text = write_iges(&w, &w.options, PATCHES, 4);
+        counts n = expect_consistent(text);
+        assert_int_equal(n.of[144], surfaces ? 2 : 0);
+        assert_int_equal(n.of[142], surfaces ? 2 : 0);
+        assert_int_equal(n.of[102], surfaces ? 4 : 0);
+        assert_int_equal(n.of[510], surfaces ? 0 : PATCHES);
+        free(text);
+        remove(w.path);
+    }
     kn_bezier_clear(w.ctx, &f);
     for (int i = 0; i < 2; i++) kn_trim_clear(w.ctx, &side[i]);
     world_clear(&w);
