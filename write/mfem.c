@@ -101,6 +101,18 @@ static void look_at(kn_mfem_cell *cell, const kn_spline *s)
     }
 }
 
+// Corners as the ends of edges have to be two vertices, which is known at once.
+static bool has_closed_edge(const kn_mfem_cell *cell, int nvars)
+{
+    for (int e = 0; e < (nvars == 2 ? KN_MFEM_SQUARE_EDGES : KN_MFEM_CUBE_EDGES); e++) {
+        int k[2], var;
+        kn_mfem_edge(e, k, &var);
+        const double *a = cell->corner[k[0]], *b = cell->corner[k[1]];
+        if (a[0] == b[0] && a[1] == b[1] && a[2] == b[2]) return true;
+    }
+    return false;
+}
+
 // Degree, number of control points and knots of each variable; then control points, homogeneous, the first variable
 // fastest.
 static void put_patch(kn_text *text, const kn_spline *s)
@@ -157,9 +169,12 @@ static kn_status write_block(kn_ctx *worker, const mfem *m, const kn_patch_block
         status = kn_write_check(worker, &format, m->nlooks, patch);
         if (status == KN_OK) status = kn_write_item_init(worker, &item, patch);
         if (status != KN_OK) break;
+        w->cells[w->n].id = patch->id;
         w->cells[w->n].look = patch->look;
         w->nvars[w->n] = item.spline.nvars;
         look_at(&w->cells[w->n], &item.spline);
+        if (has_closed_edge(&w->cells[w->n], item.spline.nvars))
+            status = kn_write_refuse(worker, format.name, &patch->id, "has an edge that is closed or a point");
         put_patch(&w->text, &item.spline);
         kn_write_item_clear(worker, &item);
     }

@@ -3,9 +3,11 @@
 // by their vertices, as MFEM knows them, and have to have the same control points then; faces likewise. Edges opposite
 // each other in a patch have one knot vector: edges fall into classes, each with a direction.
 #include "write/mfem.h"
+#include "write/text_sink.h"
 
 #include "kernel/context.h"
 
+#include <assert.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -92,9 +94,9 @@ static kn_status find_vertices(kn_ctx *ctx, topology *t)
     return status;
 }
 
-static kn_status refuse(kn_ctx *ctx, size_t cell, const char *why)
+static kn_status refuse(kn_ctx *ctx, const topology *t, size_t cell, const char *why)
 {
-    return kn_fail(ctx, KN_EDOMAIN, "MFEM: patch %zu %s", cell, why);
+    return kn_write_refuse(ctx, "MFEM", &t->cells[cell].id, why);
 }
 
 static kn_status find_edges(kn_ctx *ctx, topology *t)
@@ -107,7 +109,7 @@ static kn_status find_edges(kn_ctx *ctx, topology *t)
         kn_mfem_edge((int)(i % edges), corner, &var);
         const uint32_t *v = t->vertex + i / edges * (size_t)t->corners;
         uint32_t a = v[corner[0]], b = v[corner[1]];
-        if (a == b) return refuse(ctx, i / edges, "has an edge that is closed or a point");
+        assert(a != b);
         *u = (use){.key = {a < b ? a : b, a < b ? b : a}, .sum = t->cells[i / edges].edge[i % edges], .index = i};
         t->backward[i] = a > b;
     }
@@ -117,8 +119,9 @@ static kn_status find_edges(kn_ctx *ctx, topology *t)
         const use *u = &t->uses[i];
         if (!same(u, &t->uses[begin])) begin = i;
         if (u->sum != t->uses[begin].sum)
-            return refuse(ctx, u->index / edges, "has an edge between the vertices of another one, and not the same");
-        if (t->nvars == 2 && i - begin >= 2) return refuse(ctx, u->index / edges, "is the third one at an edge");
+            return refuse(ctx, t, u->index / edges,
+                          "has an edge between the vertices of another one, and not the same");
+        if (t->nvars == 2 && i - begin >= 2) return refuse(ctx, t, u->index / edges, "is the third one at an edge");
         t->ends[2 * t->edge[u->index]] = (uint32_t)u->key[0];
         t->ends[2 * t->edge[u->index] + 1] = (uint32_t)u->key[1];
     }
@@ -145,7 +148,7 @@ static kn_status join(kn_ctx *ctx, topology *t, size_t cell, uint32_t a, uint32_
     bool ta, tb;
     uint32_t ra = root_of(t, a, &ta), rb = root_of(t, b, &tb);
     bool turned = (ta != tb) != against;
-    if (ra == rb) return turned ? refuse(ctx, cell, "closes a ring of patches that is twisted") : KN_OK;
+    if (ra == rb) return turned ? refuse(ctx, t, cell, "closes a ring of patches that is twisted") : KN_OK;
     uint32_t low = ra < rb ? ra : rb, high = ra < rb ? rb : ra;
     t->parent[high] = low;
     t->turned[high] = turned;
@@ -165,7 +168,7 @@ static kn_status check_knots(kn_ctx *ctx, topology *t, uint64_t (*knots)[2])
         const uint64_t *own = t->cells[cell].knots[var], pair[2] = {own[against], own[!against]};
         if (knots[root][0] == 0) memcpy(knots[root], pair, sizeof pair);
         if (memcmp(knots[root], pair, sizeof pair) != 0)
-            return refuse(ctx, cell, "has other knots or degrees than a patch beside it");
+            return refuse(ctx, t, cell, "has other knots or degrees than a patch beside it");
     }
     return KN_OK;
 }
@@ -282,9 +285,9 @@ static kn_status find_faces(kn_ctx *ctx, topology *t)
     for (size_t i = 1; i < n; i++) {
         const use *u = &t->uses[i];
         if (same(u, u - 1) && u->sum != u[-1].sum)
-            return refuse(ctx, u->index / (size_t)t->faces, "meets another one in a face that is not the same");
+            return refuse(ctx, t, u->index / (size_t)t->faces, "meets another one in a face that is not the same");
         if (i > 1 && same(u, u - 1) && same(u, u - 2))
-            return refuse(ctx, u->index / (size_t)t->faces, "is the third one at a face");
+            return refuse(ctx, t, u->index / (size_t)t->faces, "is the third one at a face");
     }
     return KN_OK;
 }

@@ -54,10 +54,15 @@ kn_status kn_write_check_report(kn_ctx *ctx, const kn_write_format *format, cons
     return KN_OK;
 }
 
+kn_status kn_write_refuse(kn_ctx *ctx, const char *name, const kn_patch_id *id, const char *why)
+{
+    return kn_fail(ctx, KN_EDOMAIN, "%s: patch %d of part %d in cell %d,%d of surface %d %s", name, id->patch,
+                   id->part, id->cell[0], id->cell[1], id->surface, why);
+}
+
 static kn_status refuse(kn_ctx *ctx, const kn_write_format *format, const kn_patch *patch, const char *why)
 {
-    return kn_fail(ctx, KN_EDOMAIN, "%s: patch %d of part %d in cell %d,%d of surface %d %s", format->name,
-                   patch->id.patch, patch->id.part, patch->id.cell[0], patch->id.cell[1], patch->id.surface, why);
+    return kn_write_refuse(ctx, format->name, &patch->id, why);
 }
 
 kn_status kn_write_check(kn_ctx *ctx, const kn_write_format *format, int nlooks, const kn_patch *patch)

@@ -54,6 +54,8 @@ KN_CHECKED kn_status kn_write_take_looks(kn_ctx *ctx, kn_write_look **looks, int
 // KN_EDOMAIN with a message: a kind of patch that the format does not hold, another dimension than 3, a look that is
 // none, numbers that are not finite, weights that are not positive.
 KN_CHECKED kn_status kn_write_check(kn_ctx *ctx, const kn_write_format *format, int nlooks, const kn_patch *patch);
+// KN_EDOMAIN: "NAME: patch .. of .. WHY".
+KN_CHECKED kn_status kn_write_refuse(kn_ctx *ctx, const char *name, const kn_patch_id *id, const char *why);
 // KN_EDOMAIN: the report announces what the format does not hold.
 KN_CHECKED kn_status kn_write_check_report(kn_ctx *ctx, const kn_write_format *format, const kn_job_report *report);
 // The item of a checked patch; kn_write_item_clear frees what had to be turned.

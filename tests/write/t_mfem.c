@@ -319,7 +319,8 @@ static void refusals(void **state)
     // an edge that is a point
     g.n = 1;
     for (int c = 0; c < 3; c++) b->coef[6 * c + 1] = b->coef[6 * c];
-    refused(&g, "closed or a point");
+    g.patches[0].id = (kn_patch_id){.surface = 4, .cell = {2, 3}, .part = 1, .patch = 7};
+    refused(&g, "MFEM: patch 7 of part 1 in cell 2,3 of surface 4 has an edge that is closed or a point");
     g.n = n;
     g.w.report.curves = 2;
     refused(&g, "2 of the patches are curves");
