@@ -47,16 +47,36 @@ static bool may_share(const kn_job *job, int surface, int edge)
     return kn_job_components(s) == kn_job_components(other) && has_whole_cells(s) && has_whole_cells(other);
 }
 
-kn_status kn_job_even_degrees(kn_ctx *ctx, int (*least)[2], bool *again, const kn_job *job)
+// What n is across lines in variable v.
+typedef enum smoothness {
+    NO_LINES, // there are none
+    JOINED,   // C1 or smoother across one of them, at least
+    APART,    // C0 at most
+} smoothness;
+
+static smoothness smoothness_of(const kn_spline *n, int v)
+{
+    const double *t = n->knots[v];
+    int p = n->degree[v];
+    for (int i = p + 1, times; i < n->count[v]; i += times) {
+        for (times = 1; t[i + times] == t[i]; times++) {}
+        if (times < p) return JOINED;
+    }
+    return n->count[v] > p + 1 ? APART : NO_LINES;
+}
+
+kn_status kn_job_even_degrees(kn_ctx *ctx, kn_job_evened *of, bool *again, const kn_job *job)
 {
     int n = 2 * job->nsurfaces;
     kn_mark mark = kn_scratch_mark(ctx);
     int *class_of = kn_scratch(ctx, (size_t)n, sizeof *class_of), *most = kn_scratch(ctx, (size_t)n, sizeof *most);
-    if (!class_of || !most) {
+    bool *apart = kn_scratch(ctx, (size_t)n, sizeof *apart);
+    if (!class_of || !most || !apart) {
         kn_scratch_release(ctx, mark);
         return KN_ENOMEM;
     }
-    for (int i = 0; i < n; i++) class_of[i] = i, most[i] = 0;
+    *again = false;
+    for (int i = 0; i < n; i++) class_of[i] = i, most[i] = 0, apart[i] = false;
     for (int s = 0; s < job->nsurfaces; s++)
         for (int e = 0; e < 4; e++) {
             int to = job->surfaces[s].partner[e].edge;
@@ -65,16 +85,27 @@ kn_status kn_job_even_degrees(kn_ctx *ctx, int (*least)[2], bool *again, const k
     for (int i = 0; i < n; i++) {
         const kn_spline *f = kn_shell_normal(job->surfaces[i / 2].shell);
         int r = root_of(class_of, i);
-        if (f->coef && f->degree[i % 2] > most[r]) most[r] = f->degree[i % 2];
+        if (!f->coef) continue;
+        most[r] = f->degree[i % 2] > most[r] ? f->degree[i % 2] : most[r];
+        apart[r] = apart[r] || smoothness_of(f, i % 2) == APART;
     }
     for (int i = 0; i < n; i++) {
         int r = root_of(class_of, i);
         const kn_spline *f = kn_shell_normal(job->surfaces[i / 2].shell),
                         *g = kn_shell_normal(job->surfaces[r / 2].shell);
         // of one degree, as many coefficients are as smooth across the cell lines
-        bool same = !f->coef || (f->degree[i % 2] == most[r] && f->count[i % 2] == g->count[r % 2]);
-        least[i / 2][i % 2] = most[r];
-        for (int k = 0; k < n && !same; k++) again[k / 2] = again[k / 2] || root_of(class_of, k) == r;
+        bool same = !f->coef || (f->degree[i % 2] == most[r] && f->count[i % 2] == g->count[r % 2] &&
+                                 !(apart[r] && smoothness_of(f, i % 2) == JOINED));
+        for (int k = 0; k < n && !same; k++) {
+            kn_job_evened *to = &of[k / 2];
+            bool asked = to->least[k % 2] == most[r] && to->apart[k % 2] == apart[r];
+            to->again = to->again || (root_of(class_of, k) == r && !asked);
+        }
+    }
+    for (int i = 0; i < n; i++) {
+        of[i / 2].least[i % 2] = most[root_of(class_of, i)];
+        of[i / 2].apart[i % 2] = apart[root_of(class_of, i)];
+        *again = *again || of[i / 2].again;
     }
     kn_scratch_release(ctx, mark);
     return KN_OK;

@@ -247,9 +247,14 @@ kn_status kn_job_stretch(kn_ctx *ctx, kn_job *job, kn_job_bases *bases);
 kn_status kn_job_make_shells(kn_ctx *ctx, kn_job *job, const kn_job_bases *bases);
 
 // ---- borrow.c ----
-// Which shells have to be made again, with n of which least degrees, so that along edges over which surfaces go on all
-// n have one degree and are as smooth. least, again: for each surface; again is false throughout before.
-kn_status kn_job_even_degrees(kn_ctx *ctx, int (*least)[2], bool *again, const kn_job *job);
+// What n of a surface has to be so that along edges over which surfaces go on all n have one degree and are as smooth.
+typedef struct kn_job_evened {
+    int least[2];  // degree
+    bool apart[2]; // across cell lines: kn_shell_options
+    bool again;    // it is not so, and was not yet asked for
+} kn_job_evened;
+// of: for each surface, zero before the first call; *again: some of them have to be made again.
+kn_status kn_job_even_degrees(kn_ctx *ctx, kn_job_evened *of, bool *again, const kn_job *job);
 // Who borrows from whom, and the terms that families of surfaces have in common.
 kn_status kn_job_share_edges(kn_ctx *ctx, kn_job *job);
 // The coefficients of a whole cell's piece along edges of the surface that others lend, and at its corners. Of pieces

@@ -8,6 +8,7 @@
 
 static const int least_normal_degree = 3; // of n in each variable
 static const int usual_normal_degree = 5; // and of m, where n = N m
+static const int most_rounds = 4;         // of making shells again
 
 // What the terms of T need, as sums of their degrees and the power of w: T's factor on the degree of a tile patch. Of
 // n, which is yet to be made, the least; *room: what adds to it.
@@ -68,9 +69,7 @@ typedef struct shells {
     const kn_job_bases *bases;
     double w[2];  // the heights that the tile occupies
     bool touches; // it reaches the border of its cell: tiles side by side join there
-    int (*least)
-        [2]; // degrees of n, at least, of each surface whose shell is made again; NULL: all are, for the first time
-    bool *again;
+    kn_job_evened *evened; // which are made again, and how; NULL: all are, for the first time
 } shells;
 
 // The degree of n in each variable, or of m: what there is room for, up to the usual one.
@@ -136,9 +135,10 @@ static kn_status make_shell(kn_ctx *ctx, void *user, size_t index)
     const kn_job_options *options = &all->job->options;
     kn_job_surface *to = &all->job->surfaces[index];
     kn_shell_options o = kn_shell_defaults();
-    if (all->least && !all->again[index]) return KN_OK;
+    if (all->evened && !all->evened[index].again) return KN_OK;
     for (int d = 0; d < 2; d++) {
-        o.min_degree[d] = all->least ? all->least[index][d] : 0;
+        o.min_degree[d] = all->evened ? all->evened[index].least[d] : 0;
+        o.cells_apart[d] = all->evened && all->evened[index].apart[d];
         o.lines[d] = to->lines[d];
         o.nlines[d] = to->cells[d] + 1;
     }
@@ -151,7 +151,7 @@ static kn_status make_shell(kn_ctx *ctx, void *user, size_t index)
     kn_shell *made = NULL;
     kn_status status = base->volume.coef ? kn_shell_from_volume(ctx, &made, &base->volume, &o)
                                          : kn_shell_create(ctx, &made, &all->bases->faces[index], &o);
-    if (all->least) return replace_shell(ctx, to, made, status);
+    if (all->evened) return replace_shell(ctx, to, made, status);
     to->shell = made;
     if (status == KN_OK && !o.direction) status = check_normal(ctx, all->job, to);
     if (status != KN_OK) return to->shell ? status : name_surface(ctx, status, to->origin);
@@ -160,19 +160,22 @@ static kn_status make_shell(kn_ctx *ctx, void *user, size_t index)
     return kn_shell_jacobian_bounds(ctx, &to->jacobian[0], &to->jacobian[1], to->shell, all->w[0], all->w[1]);
 }
 
-// Shells of surfaces that go on over shared edges, made again where n is not of one degree along these.
+// Shells of surfaces that go on over shared edges, made again where n is not of one degree along these: what one has
+// to be others may have to be too, and the next round tells.
 static kn_status make_even(kn_ctx *ctx, shells *all)
 {
     size_t n = (size_t)all->job->nsurfaces;
-    all->least = kn_alloc_zero(ctx, n, sizeof *all->least);
-    all->again = kn_alloc_zero(ctx, n, sizeof *all->again);
-    kn_status status = all->least && all->again ? KN_OK : KN_ENOMEM;
-    if (status == KN_OK) status = kn_job_even_degrees(ctx, all->least, all->again, all->job);
-    if (status == KN_OK) status = kn_parallel(ctx, n, make_shell, all, "shell");
-    kn_free(ctx, all->least);
-    kn_free(ctx, all->again);
-    all->least = NULL;
-    if (status == KN_OK) status = kn_job_match_edges(ctx, all->job, all->w);
+    kn_job_evened *evened = all->evened = kn_alloc_zero(ctx, n, sizeof *evened);
+    kn_status status = evened ? KN_OK : KN_ENOMEM;
+    bool again = true;
+    for (int round = 0; status == KN_OK && again && round < most_rounds; round++) {
+        for (size_t i = 0; i < n; i++) evened[i].again = false;
+        status = kn_job_even_degrees(ctx, evened, &again, all->job);
+        if (status == KN_OK && again) status = kn_parallel(ctx, n, make_shell, all, "shell");
+        if (status == KN_OK && again) status = kn_job_match_edges(ctx, all->job, all->w);
+    }
+    kn_free(ctx, evened);
+    all->evened = NULL;
     return status == KN_OK ? kn_job_share_edges(ctx, all->job) : status;
 }
 
@@ -187,7 +190,7 @@ static bool turns_over(const kn_job *job)
 
 kn_status kn_job_make_shells(kn_ctx *ctx, kn_job *job, const kn_job_bases *bases)
 {
-    shells all = {job, bases, {INFINITY, -INFINITY}, false, NULL, NULL};
+    shells all = {job, bases, {INFINITY, -INFINITY}, false, NULL};
     for (int k = 0; k < job->npatches; k++) {
         size_t n = kn_bezier_count(&job->patches[k].d);
         const double *u = job->patches[k].d.coef, *w = u + 2 * n;

@@ -94,7 +94,7 @@ static kn_status make_grid(kn_ctx *ctx, kn_grid *grid, const kn_spline *s, const
         grid->breaks[v] = g->cut;
         grid->times[v] = kn_scratch(ctx, n, sizeof(int));
         if (!grid->times[v]) return KN_ENOMEM;
-        for (size_t i = 0; i < n; i++) grid->times[v][i] = g->smooth[i] < g->degree ? g->smooth[i] : g->degree - 1;
+        for (int i = 0; i < g->ncuts; i++) grid->times[v][i] = kn_grid_continuity(g, i);
         kn_grid_multiplicities(grid, v, s->degree[v]);
     }
     return KN_OK;

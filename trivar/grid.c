@@ -137,7 +137,7 @@ kn_status kn_grid_init(kn_ctx *ctx, kn_grid_axis *g, const kn_shell *shell, int 
 {
     const kn_spline *s = &shell->surface;
     int n = shell->nlines[var] < most_cuts(shell, var) ? shell->nlines[var] : most_cuts(shell, var);
-    *g = (kn_grid_axis){.line = shell->line[var], .nlines = shell->nlines[var]};
+    *g = (kn_grid_axis){.line = shell->line[var], .nlines = shell->nlines[var], .most = KN_SMOOTH};
     kn_mark mark = kn_scratch_mark(ctx);
     int *times = kn_scratch(ctx, (size_t)shell->nknots[var], sizeof *times);
     kn_status status = times ? reserve(ctx, g, n) : KN_ENOMEM;
@@ -190,11 +190,35 @@ kn_status kn_grid_split(kn_ctx *ctx, kn_grid_axis *g, const char *split)
 
 // ---- what follows from a degree ----
 
+static int continuity_of(const kn_grid_axis *g, int i, int degree)
+{
+    int smooth = g->most < g->smooth[i] ? g->most : g->smooth[i];
+    return smooth < degree - 1 ? smooth : degree - 1;
+}
+
+int kn_grid_continuity(const kn_grid_axis *g, int i)
+{
+    return continuity_of(g, i, g->degree);
+}
+
 static int times_at(const kn_grid_axis *g, int i, int degree)
 {
-    if (i == 0 || i == g->ncuts - 1) return degree + 1;
-    int smooth = g->loose && g->smooth[i] > KN_LOOSE ? KN_LOOSE : g->smooth[i];
-    return smooth < degree - 1 ? degree - smooth : 1;
+    return i == 0 || i == g->ncuts - 1 ? degree + 1 : degree - continuity_of(g, i, degree);
+}
+
+// Chebyshev-Lobatto sites in the intervals over which n is a polynomial for itself, and C0 or less at both ends: they
+// serve any degree, where even ones fail from 10 on.
+static void place_lobatto(kn_grid_axis *g)
+{
+    const double pi = 3.14159265358979323846;
+    int p = g->degree;
+    for (int i = 0, end = 0; i + 1 < g->ncuts; i++) { // end: of the knots at cut i
+        int times = times_at(g, i, p);
+        end += times;
+        if (times < p || times_at(g, i + 1, p) < p) continue;
+        for (int k = 1; k < p; k++)
+            g->site[end - 1 - p + k] = g->cut[i] + (g->cut[i + 1] - g->cut[i]) * (0.5 - 0.5 * cos(pi * k / p));
+    }
 }
 
 // Greville's sites: the ends are among them, so that the coefficients of an edge depend on that edge alone. Where n
@@ -217,6 +241,7 @@ static void place_sites(kn_grid_axis *g, const double *breaks, int nbreaks)
         g->site_knot_span[i] = span;
         g->site_span[i] = from;
     }
+    place_lobatto(g); // in the same spans
 }
 
 kn_status kn_grid_set_degree(kn_ctx *ctx, kn_grid_axis *g, int degree, const double *breaks, int nbreaks)

@@ -176,7 +176,8 @@ typedef struct kn_grid_axis {
     int ncuts, room;
     double *cut;
     int *smooth; // -1: n jumps; KN_SMOOTH: no limit but the degree
-    bool loose;  // no smoother than KN_LOOSE: of high degrees, smoother splines need higher ones still
+    int most;    // n is no smoother than this: KN_LOOSE of high degrees, for which smoother splines need higher ones
+                 // still; 0: each cell for itself
     int degree, count;
     double *knots, *site;
     int *site_span, *site_knot_span;
@@ -186,6 +187,8 @@ enum { KN_SMOOTH = 1000, KN_LOOSE = 2 };
 enum { KN_GRID_LINES = 64 };
 kn_status kn_grid_init(kn_ctx *ctx, kn_grid_axis *g, const kn_shell *shell, int var);
 void kn_grid_clear(kn_ctx *ctx, kn_grid_axis *g);
+// n's at cut i, of the degree that is set.
+int kn_grid_continuity(const kn_grid_axis *g, int i);
 kn_status kn_grid_set_degree(kn_ctx *ctx, kn_grid_axis *g, int degree, const double *breaks, int nbreaks);
 // Cuts the intervals i with split[i]: at the cell line nearest to the middle, or there where a cell has none inside.
 kn_status kn_grid_split(kn_ctx *ctx, kn_grid_axis *g, const char *split);

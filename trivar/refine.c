@@ -23,7 +23,7 @@ typedef struct refinement {
     kn_shell *shell;
     int max_degree, max_spans;
     int least[2], lowest[2]; // lowest: with whole cells
-    int highest, cell_degree_sum;
+    int highest, cell_degree_sum, most[2]; // most: kn_grid_axis
     kn_grid_axis axes[2];
     kn_direction_box *box; // the direction over each span of n, last variable fastest
     size_t nboxes;
@@ -326,15 +326,15 @@ static int worse_variable(const refinement *r, const candidate *c, const int deg
     return worst[1] > worst[0];
 }
 
-// Higher degrees instead of lines between those of the cells, and C2 alone across these: raised one by one until the
-// tolerance is met, then lowered as far as it goes. Not found where their sum is more than there is room for.
-static kn_status raise_degrees(kn_ctx *ctx, candidate *best, bool *found, refinement *r)
+// Higher degrees instead of lines between those of the cells, and C2 or C0 alone across these (most): raised one by
+// one until the tolerance is met, then lowered as far as it goes. Not found where their sum is more than there is room
+// for.
+static kn_status raise_degrees(kn_ctx *ctx, candidate *best, bool *found, refinement *r, int most)
 {
     int degree[2] = {r->max_degree, r->max_degree};
-    const bool was[2] = {r->axes[0].loose, r->axes[1].loose};
     kn_status status = KN_OK;
     *found = false;
-    r->axes[0].loose = r->axes[1].loose = true;
+    for (int v = 0; v < 2; v++) r->axes[v].most = most < r->most[v] ? most : r->most[v];
     while (status == KN_OK && !*found && r->work > 0.0 && degree[0] <= r->highest && degree[1] <= r->highest &&
            degree[0] + degree[1] <= r->cell_degree_sum + r->max_degree) {
         candidate c = {0};
@@ -360,7 +360,7 @@ static kn_status raise_degrees(kn_ctx *ctx, candidate *best, bool *found, refine
         candidate_clear(ctx, best);
         *found = false;
     }
-    for (int v = 0; v < 2 && !*found; v++) r->axes[v].loose = was[v];
+    for (int v = 0; v < 2 && !*found; v++) r->axes[v].most = r->most[v];
     return status;
 }
 
@@ -384,7 +384,8 @@ static kn_status refine(kn_ctx *ctx, candidate *best, refinement *r)
         }
         bool inside = false;
         if (status == KN_OK && !found) status = more_lines(ctx, r, &c, cells_alone ? &inside : NULL);
-        if (status == KN_OK && inside) status = raise_degrees(ctx, best, &found, r);
+        if (status == KN_OK && inside) status = raise_degrees(ctx, best, &found, r, KN_LOOSE);
+        if (status == KN_OK && inside && !found) status = raise_degrees(ctx, best, &found, r, 0);
         cells_alone = cells_alone && !inside;
         candidate_clear(ctx, &c);
     }
@@ -418,7 +419,8 @@ kn_status kn_refine_normal(kn_ctx *ctx, kn_shell *shell, const kn_shell_options 
     }
     kn_status status = kn_grid_init(ctx, &r.axes[0], shell, 0);
     if (status == KN_OK) status = kn_grid_init(ctx, &r.axes[1], shell, 1);
-    for (int v = 0; v < 2; v++) r.axes[v].loose = o->min_degree[v] > 0;
+    for (int v = 0; v < 2; v++)
+        r.axes[v].most = r.most[v] = o->cells_apart[v] ? 0 : o->min_degree[v] > 0 ? KN_LOOSE : KN_SMOOTH;
     if (status == KN_OK) status = refine(ctx, &best, &r);
     if (status == KN_OK) adopt(&r, &best);
     candidate_clear(ctx, &best);

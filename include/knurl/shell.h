@@ -44,10 +44,11 @@ typedef struct kn_shell_options {
     // Of n in one variable, of m where n = N m; at least 3, lowered where S has high degrees (as below). 0: 5, or 3
     // for m: more leave fewer spans, but tiles compose to higher degrees.
     int max_degree;
-    int min_degree[2]; // and at least these, up to 12; 0: 3
+    int min_degree[2]; // and at least these, up to 18; 0: 3
     // Where max_degree leaves knots of n between cell lines: degrees up to 18 instead, if their sum is no more than
-    // this; 0: never. Then n is one polynomial over every cell.
+    // this; 0: never. Then n is one polynomial over every cell, C2 across their lines, or C0 where that does not do.
     int cell_degree_sum;
+    bool cells_apart[2]; // n is C0 alone across lines in this variable, whatever its degree
     int max_spans; // knot intervals of n in one variable, beyond which refinement gives up; 0: 4096
 } kn_shell_options;
 
@@ -62,7 +63,7 @@ KN_API kn_shell_options kn_shell_defaults(void);
 // the edges beside it from those of neighbouring surfaces. An edge that is larger, up to 1e-4, is taken as it is; where
 // no normal is found then, the message says so.
 // KN_NORMAL_FITTED: degrees 3 .. max_degree in each variable, the lowest that do (with cell_degree_sum 1 .. 18, where
-//         max_degree is not enough); C2 or smoother wherever S is C3 or smoother, as far as these degrees go. n
+//         max_degree is not enough); C2 or smoother wherever S is C3 or smoother, as far as these degrees go (C0: cell_degree_sum). n
 //         interpolates N/|N|, so that its coefficients along an edge depend on N/|N| and on the knots along that edge
 //         alone; over the seam of a closed S they are the same bit for bit; where S is one point with one normal, n is
 //         one vector.
