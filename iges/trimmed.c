@@ -63,16 +63,7 @@ static void put_loop(kn_iges_written *w, const kn_trim_edges *t, const kn_trim_l
         }
 }
 
-// Readers split curves at their corners, each one by itself: beside a curve in space they would not know which part of the
-// one in the plane is which.
-static bool is_smooth(const kn_patch_axis *x)
-{
-    for (int k = 1; k + 1 < x->nbreaks; k++)
-        if (x->times[k] >= x->degree) return false;
-    return true;
-}
-
-// With shells: each edge along its key.
+// With shells: each edge along its key in space, and along the loop in the plane.
 static void put_edges(kn_iges_written *w, const kn_trim_edges *t, const kn_trim_loop *loop)
 {
     kn_iges_loop *out = &w->loops[w->nloops++];
@@ -84,10 +75,8 @@ static void put_edges(kn_iges_written *w, const kn_trim_edges *t, const kn_trim_
         *edge = (kn_iges_edge){.edge = e->edge, .along = e->against == e->turned};
         memcpy(edge->vertex, e->at, sizeof edge->vertex);
         size_t begin = w->text.bytes;
-        if (is_smooth(&e->plane.axis) && is_smooth(&e->space.axis)) {
-            kn_iges_put_curve(&w->text, &e->plane, e->turned, false, true);
-            edge->plane_lines = kn_iges_count_lines(&w->text, begin);
-        }
+        kn_iges_put_curve(&w->text, &e->plane, e->against, false, true);
+        edge->plane_lines = kn_iges_count_lines(&w->text, begin);
         begin = w->text.bytes;
         kn_iges_put_curve(&w->text, &e->space, e->turned, kn_brep_same(e->edge.vertex[0], e->edge.vertex[1]), false);
         edge->lines = kn_iges_count_lines(&w->text, begin);

@@ -41,7 +41,8 @@ typedef enum kn_iges_kind {
     KN_IGES_CURVE,
 } kn_iges_kind;
 
-// An edge of a face. Its lines: those of its curve in the plane, then those of the one in space, both along its key.
+// An edge of a face. Its lines: those of its curve in the plane, which runs along the loop, then those of the one in space,
+// along its key.
 typedef struct kn_iges_edge {
     kn_brep_edge edge;
     bool along;          // the loop runs along the curve

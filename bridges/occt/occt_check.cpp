@@ -306,6 +306,32 @@ kn_status kn_occt_eval(kn_ctx *ctx, double point[3], double *normal, const kn_oc
     });
 }
 
+kn_status kn_occt_volume(kn_ctx *ctx, double *out, const kn_occt_model *model, double part)
+{
+    return guarded(ctx, "volume", [&] {
+        double sum = 0.0;
+        for (TopExp_Explorer e(model->shape, TopAbs_SOLID); e.More(); e.Next()) {
+            GProp_GProps one;
+            BRepGProp::VolumeProperties(e.Current(), one, part, Standard_False, Standard_False);
+            sum += one.Mass();
+        }
+        *out = sum;
+        return KN_OK;
+    });
+}
+
+kn_status kn_occt_area(kn_ctx *ctx, double *out, const kn_occt_model *model, int face, double part)
+{
+    if (face < 0 || static_cast<size_t>(face) >= model->faces.size())
+        return kn_fail(ctx, KN_EDOMAIN, "OCCT: face %d of %zu", face, model->faces.size());
+    return guarded(ctx, "area", [&] {
+        GProp_GProps one;
+        BRepGProp::SurfaceProperties(model->faces[static_cast<size_t>(face)], one, part);
+        *out = one.Mass();
+        return KN_OK;
+    });
+}
+
 kn_status kn_occt_face_name(kn_ctx *ctx, char *name, size_t bytes, const kn_occt_model *model, int face)
 {
     if (face < 0 || static_cast<size_t>(face) >= model->faces.size())

@@ -46,6 +46,11 @@ KN_CHECKED kn_status kn_occt_check(kn_ctx *ctx, kn_occt_report *out, const kn_oc
 // KN_EUNDEFINED (no normal there), KN_EUNDECIDED (OCCT threw).
 KN_CHECKED kn_status kn_occt_eval(kn_ctx *ctx, double point[3], double *normal, const kn_occt_model *model, int face,
                                   double u, double v);
+// The volume of all solids, mm3, by quadrature that goes on until it is within `part` of it as OCCT estimates that:
+// report.volume is rough where faces are rational and of many spans. fails: KN_EUNDECIDED (OCCT threw).
+KN_CHECKED kn_status kn_occt_volume(kn_ctx *ctx, double *out, const kn_occt_model *model, double part);
+// Likewise the area of one face, mm2. fails: also KN_EDOMAIN.
+KN_CHECKED kn_status kn_occt_area(kn_ctx *ctx, double *out, const kn_occt_model *model, int face, double part);
 // The name of the face in the file, cut to bytes - 1 and ended by a zero byte. fails: KN_EDOMAIN.
 KN_CHECKED kn_status kn_occt_face_name(kn_ctx *ctx, char *name, size_t bytes, const kn_occt_model *model, int face);
 

@@ -110,6 +110,16 @@ TopoDS_Shape saddle()
     return BRepAlgoAPI_Common(pipe, BRepPrimAPI_MakeSphere(9).Shape()).Shape();
 }
 
+TopoDS_Shape hollow()
+{
+    TopoDS_Shape all = rounded(BRepPrimAPI_MakeBox(10, 20, 30).Shape(), 1);
+    const TopoDS_Shape less[] = {BRepPrimAPI_MakeCylinder(gp_Ax2(gp_Pnt(5, -1, 4), gp_Dir(0, 1, 0)), 1.5, 30).Shape(),
+                                 BRepPrimAPI_MakeCylinder(gp_Ax2(gp_Pnt(5, 10, 8), gp_Dir(0, 0, 1)), 2, 6).Shape(),
+                                 BRepPrimAPI_MakeSphere(gp_Pnt(5, 10, 22), 3).Shape()};
+    for (const TopoDS_Shape &part : less) all = BRepAlgoAPI_Cut(all, part).Shape();
+    return all;
+}
+
 TopoDS_Shape shape_of(kn_occt_kind kind)
 {
     switch (kind) {
@@ -125,6 +135,7 @@ TopoDS_Shape shape_of(kn_occt_kind kind)
     case KN_OCCT_EXTRUDED: return extruded();
     case KN_OCCT_SECTOR: return BRepPrimAPI_MakeTorus(10, 3, 1.5707963267948966).Shape();
     case KN_OCCT_SADDLE: return saddle();
+    case KN_OCCT_HOLLOW: return hollow();
     case KN_OCCT_KINDS: break;
     }
     return TopoDS_Shape();

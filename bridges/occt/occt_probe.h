@@ -23,6 +23,7 @@ typedef enum kn_occt_kind {
     KN_OCCT_EXTRUDED, // a spline's loop along a skew direction
     KN_OCCT_SECTOR,   // a quarter of a torus
     KN_OCCT_SADDLE,   // a cylinder cut by a sphere: curves on it that are no lines
+    KN_OCCT_HOLLOW,   // the rounded box, drilled, with a cylinder and a sphere inside that are not there
     KN_OCCT_KINDS
 } kn_occt_kind;
 // Writes it by the ending of path: .brep, .step, .igs. fails: KN_EDOMAIN, KN_EIO, KN_EUNDECIDED (OCCT threw).
