@@ -231,6 +231,7 @@ typedef struct cli_job {
     const char *face_text[CLI_MAX_FACE_TEXTS]; // that a CAD file is to be asked for
     int *chosen, nface_texts;                  // chosen: surfaces, once cli_choose_faces has found them
     int max_degree;                            // of faces in CAD files; 0: 25
+    double seam_angle;                         // of faces of limited degree in CAD files, degrees; 0: the default
     bool instances;                            // in STEP files: cells that are equal once
     bool merge;                                // faces of several patches in CAD files
     int on;                                    // the layer that is its base, counted from 1; 0: the recipe's base

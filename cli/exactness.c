@@ -7,6 +7,7 @@ enum {
     NORMAL_TOL,
     MAX_DEGREE,
     TOL,
+    SEAM_ANGLE,
     CELLS_TOL,
     CROSSING,
     CROSSING_TOL,
@@ -17,17 +18,12 @@ enum {
     OPTIONS
 };
 static const cli_option options[OPTIONS] = {
-    [NORMAL] = {"normal", 0, CLI_TEXT},
-    [NORMAL_TOL] = {"normal-tol", 0, CLI_TEXT},
-    [MAX_DEGREE] = {"max-degree", 0, CLI_TEXT},
-    [TOL] = {"tol", 0, CLI_TEXT},
-    [CELLS_TOL] = {"cells-tol", 0, CLI_TEXT},
-    [CROSSING] = {"crossing", 0, CLI_TEXT},
-    [CROSSING_TOL] = {"crossing-tol", 0, CLI_TEXT},
-    [MERGE] = {"merge", 0, CLI_NOTHING},
-    [STEP] = {"step", 0, CLI_TEXT},
-    [INSTANCES] = {"instances", 0, CLI_NOTHING},
-    [UNIT] = {"unit", 0, CLI_TEXT},
+    [NORMAL] = {"normal", 0, CLI_TEXT},          [NORMAL_TOL] = {"normal-tol", 0, CLI_TEXT},
+    [MAX_DEGREE] = {"max-degree", 0, CLI_TEXT},  [TOL] = {"tol", 0, CLI_TEXT},
+    [SEAM_ANGLE] = {"seam-angle", 0, CLI_TEXT},  [CELLS_TOL] = {"cells-tol", 0, CLI_TEXT},
+    [CROSSING] = {"crossing", 0, CLI_TEXT},      [CROSSING_TOL] = {"crossing-tol", 0, CLI_TEXT},
+    [MERGE] = {"merge", 0, CLI_NOTHING},         [STEP] = {"step", 0, CLI_TEXT},
+    [INSTANCES] = {"instances", 0, CLI_NOTHING}, [UNIT] = {"unit", 0, CLI_TEXT},
 };
 
 static bool set_normal(const char *name, const char *text, kn_job_options *job)
@@ -57,6 +53,14 @@ static bool set_step(const char *name, const char *text, kn_step_schema *schema)
     return i >= 0;
 }
 
+static bool set_seam_angle(const char *name, const char *text, double *degrees)
+{
+    if (!cli_double(name, text, degrees)) return false;
+    if (*degrees >= 0.01 && *degrees <= 45) return true;
+    cli_error("%s: expected degrees from 0.01 to 45, got '%s'", name, text);
+    return false;
+}
+
 static bool set(cli_job *job, const char *name, int option, const char *text)
 {
     kn_job_options *o = &job->options;
@@ -67,6 +71,7 @@ static bool set(cli_job *job, const char *name, int option, const char *text)
         if (!cli_set_max_degree(name, text, &job->max_degree)) return false;
         o->max_degree = job->max_degree > 25 ? job->max_degree : 0; // what is composed may be limited later
         return true;
+    case SEAM_ANGLE: return set_seam_angle(name, text, &job->seam_angle);
     case TOL: return cli_positive_length(name, text, &job->mesh_tol);
     case CELLS_TOL: return cli_positive_length(name, text, &job->cells_tol);
     case CROSSING: return set_crossing(name, text, o);

@@ -10,7 +10,7 @@
 // What merging may take of the tolerance.
 static const double merge_share = 0.2;
 enum { USUAL_DEGREE = 25, LEAST_DEGREE = 3, SAMPLED_CELLS = 4 };
-static const double usual_tol_mm = 0.01;
+static const double usual_tol_mm = 0.01, usual_angle = 1, one_degree = 0.017453292519943295;
 
 bool cli_set_max_degree(const char *name, const char *text, int *degree)
 {
@@ -43,6 +43,7 @@ kn_limit_options cli_limits_of(const cli_job *job)
         .tolerance = !(tol->value > 0)  ? usual_tol_mm / unit
                      : tol->unit_mm > 0 ? tol->value * (tol->unit_mm / unit)
                                         : tol->value,
+        .seam_angle = (job->seam_angle > 0 ? job->seam_angle : usual_angle) * one_degree,
     };
 }
 
@@ -62,11 +63,13 @@ kn_status cli_create_job(kn_ctx *ctx, kn_job **out, const kn_spline *surfaces, i
 static kn_status wrap(kn_ctx *ctx, kn_sink *out, cli_fit *fit, const kn_sink *sinks, int n)
 {
     kn_limit_options limits = fit->options;
-    const kn_merge_options merge = {.tolerance = merge_share * fit->options.tolerance};
+    const kn_merge_options merge = {.tolerance = merge_share * fit->options.tolerance,
+                                    .angle = 0.5 * merge_share * fit->options.seam_angle};
     kn_sink merged = {0};
     kn_status status = KN_OK;
     if (fit->merge) {
         limits.tolerance -= merge.tolerance;
+        limits.seam_angle -= 2 * merge.angle;
         status = kn_merge_sink(ctx, &merged, sinks, n, &merge, &fit->merged);
     }
     if (status == KN_OK)
@@ -125,7 +128,8 @@ static kn_status sample(kn_ctx *ctx, kn_limit_summary *sum, const kn_job *job, c
     kn_sink_close(ctx, &sink);
     if (status != KN_OK || n == 0) return status;
     double share = (double)r.cells / (double)n;
-    size_t *const counts[] = {&sum->exact, &sum->limited, &sum->spans, &sum->control_points, &sum->unknown_angles};
+    size_t *const counts[] = {&sum->exact,          &sum->limited,        &sum->spans,
+                              &sum->control_points, &sum->unknown_angles, &sum->wide_angles};
     for (size_t i = 0; i < sizeof counts / sizeof *counts; i++)
         *counts[i] = (size_t)((double)*counts[i] * share + 0.5);
     return KN_OK;
@@ -147,6 +151,7 @@ kn_status cli_estimate_fit(kn_ctx *ctx, cli_fit *fit, const cli_plan *plan, cons
         }
         to->exact += one.exact, to->limited += one.limited, to->spans += one.spans;
         to->control_points += one.control_points, to->unknown_angles += one.unknown_angles;
+        to->wide_angles += one.wide_angles;
         to->error = fmax(to->error, one.error), to->angle = fmax(to->angle, one.angle);
         for (int v = 0; v < 2; v++)
             if (one.degree[v] > to->degree[v]) to->degree[v] = one.degree[v];
@@ -156,13 +161,20 @@ kn_status cli_estimate_fit(kn_ctx *ctx, cli_fit *fit, const cli_plan *plan, cons
 
 // ---- reports ----
 
+// Each of two faces may turn.
+static double turn_of(const cli_fit *fit)
+{
+    return 2 * (fit->sum.angle + fit->merged.angle);
+}
+
 json_t *cli_fit_json(const cli_fit *fit)
 {
     const kn_limit_summary *s = &fit->sum;
-    json_t *o = json_pack("{s:i,s:o,s:b}", "max_degree", fit->options.max_degree, "tolerance",
-                          cli_json_number(fit->options.tolerance), "estimated", fit->estimated);
-    static const char *const keys[] = {"certified_error", "exact_faces",    "limited_faces", "degree",
-                                       "control_points",  "seam_angle_rad", "unknown_angles"};
+    json_t *o = json_pack("{s:i,s:o,s:o,s:b}", "max_degree", fit->options.max_degree, "tolerance",
+                          cli_json_number(fit->options.tolerance), "seam_angle_asked_rad",
+                          cli_json_number(fit->options.seam_angle), "estimated", fit->estimated);
+    static const char *const keys[] = {"certified_error", "exact_faces",    "limited_faces",  "degree",
+                                       "control_points",  "seam_angle_rad", "unknown_angles", "wide_angles"};
     if (!fit->known) {
         for (size_t i = 0; i < sizeof keys / sizeof *keys; i++) json_object_set_new(o, keys[i], json_null());
         return o;
@@ -174,8 +186,9 @@ json_t *cli_fit_json(const cli_fit *fit)
     json_object_set_new(o, keys[2], json_integer((json_int_t)s->limited));
     json_object_set_new(o, keys[3], json_pack("[ii]", s->degree[0], s->degree[1]));
     json_object_set_new(o, keys[4], json_integer((json_int_t)s->control_points));
-    json_object_set_new(o, keys[5], cli_json_upper(2 * s->angle)); // each of two faces may turn
-    json_object_set_new(o, keys[6], json_integer((json_int_t)s->unknown_angles));
+    json_object_set_new(o, keys[5], cli_json_upper(turn_of(fit)));
+    json_object_set_new(o, keys[6], json_integer((json_int_t)(s->unknown_angles + fit->merged.unknown_angles)));
+    json_object_set_new(o, keys[7], json_integer((json_int_t)s->wide_angles));
     if (fit->merge && !fit->estimated)
         json_object_set_new(o, "merge",
                             json_pack("{s:I,s:I,s:I,s:o}", "faces", (json_int_t)fit->merged.faces, "merged",
@@ -196,7 +209,7 @@ void cli_print_fit(const cli_fit *fit)
            cli_outward(fit->estimated ? fit->options.tolerance : s->error, 1, CLI_TEXT_DIGITS),
            fit->estimated ? "" : " (certified)", s->exact, s->control_points);
     if (!fit->estimated)
-        printf("; smooth seams stay so within %.1e rad%s", cli_outward(2 * s->angle, 1, CLI_TEXT_DIGITS),
+        printf("; smooth seams stay so within %.1e rad%s", cli_outward(turn_of(fit), 1, CLI_TEXT_DIGITS),
                s->unknown_angles > 0 ? " where normals are certified" : "");
     putchar('\n');
 }

@@ -16,6 +16,8 @@
 #include "kernel/bernstein.h"
 
 enum { MOST_LEVEL = 10 };
+static const double MOST_ANGLE = 0.8; // radians
+static const double TILT_SHARE = 0.5; // what an edge's own tangents may take of the angle
 
 typedef kn_limit_fit fit;
 
@@ -215,35 +217,15 @@ static kn_status certify(kn_ctx *ctx, fit *f, double enough, double most)
 
 // ---- fits ----
 
-// Whether each index of control point i is the first or the last.
-static bool is_corner(const fit *f, size_t i)
-{
-    for (int v = f->a->nvars - 1; v >= 0; v--) {
-        size_t n = kn_limit_count(&f->axis[v]), k = i % n;
-        if (k != 0 && k != n - 1) return false;
-        i /= n;
-    }
-    return true;
-}
-
-// Onto the multiples of the quantum: then inserting knots halfway is exact, whatever side of an edge does it. Not
-// what stays as it was, corners and curves of low degree: these belong to neighbours, too, of which nothing may be
-// limited.
+// A curve onto the multiples of the quantum: then inserting knots halfway is exact, whatever side of an edge does it.
+// Not its ends, nor a curve of low degree: these belong to neighbours, too, of which nothing may be limited.
 static void round_off(const fit *f)
 {
     double q = f->limits->quantum;
-    size_t n = 1;
-    bool kept = true;
-    for (int v = 0; v < f->a->nvars; v++) {
-        n *= kn_limit_count(&f->axis[v]);
-        kept = kept && is_kept(&f->axis[v]);
-    }
-    if (q == 0.0 || f->a->rational || kept) return;
-    for (size_t i = 0; i < n; i++)
-        for (size_t c = 0; c < comps(f) && !is_corner(f, i); c++) {
-            double *x = &f->coef[c * n + i];
-            *x = rint(*x / q) * q;
-        }
+    size_t n = kn_limit_count(&f->axis[0]);
+    if (q == 0.0 || f->a->nvars > 1 || f->a->rational || is_kept(&f->axis[0])) return;
+    for (size_t c = 0; c < comps(f); c++)
+        for (size_t i = 1; i < n - 1; i++) f->coef[c * n + i] = rint(f->coef[c * n + i] / q) * q;
 }
 
 // Fits and certifies with the axes as they are, to below `most` or not; edges: NULL, or to be put in place.
@@ -311,6 +293,18 @@ static kn_status search(kn_ctx *ctx, fit *f, const kn_limit_edge *edges)
     return status;
 }
 
+// The same, but where that takes too many spans, within `most` from the levels that there were.
+static kn_status search_within(kn_ctx *ctx, fit *f, const kn_limit_edge *edges, kn_fit_limits *limits, double most)
+{
+    const fit before = *f;
+    kn_status status = search(ctx, f, edges);
+    if (status != KN_EUNDECIDED || !(limits->tolerance < most)) return status;
+    kn_ctx_clear_error(ctx);
+    *f = before;
+    limits->tolerance = most;
+    return search(ctx, f, edges);
+}
+
 static void begin(fit *f, const kn_bezier *a, const kn_fit_limits *limits)
 {
     *f = (fit){.a = a, .limits = limits};
@@ -322,6 +316,11 @@ static void begin(fit *f, const kn_bezier *a, const kn_fit_limits *limits)
 }
 
 // ---- edges of surfaces ----
+
+static bool is_in_space(const kn_bezier *a)
+{
+    return a->nvars == 2 && a->ncomp == 3 + a->rational;
+}
 
 // curve = the edge of a where variable var ends, in scratch, run through in the direction that its control points
 // choose: the same for both of its neighbours. *turned: against the surface's.
@@ -345,23 +344,59 @@ static kn_status take_edge(kn_ctx *ctx, kn_bezier *curve, bool *turned, const kn
     return KN_OK;
 }
 
-static kn_status fit_edges(kn_ctx *ctx, kn_limit_edge edges[4], fit *f)
+// More spans until the tangents, too, are as the angle wants them.
+static kn_status straighten(kn_ctx *ctx, fit *along)
+{
+    double share = TILT_SHARE * along->limits->angle, tilt = INFINITY, last = INFINITY;
+    kn_limit_axis *x = &along->axis[0];
+    kn_status status = KN_OK;
+    for (int idle = 0; !is_kept(x) && share > 0.0 && status == KN_OK; last = tilt) {
+        status = kn_limit_tilt(ctx, &tilt, along);
+        idle = tilt < 0.5 * last ? 0 : idle + 1;
+        if (status != KN_OK || tilt <= share || idle > 2) break;
+        if (x->level >= KN_ANGLE_LEVEL || x->level >= along->limits->max_level) break;
+        const fit before = *along;
+        x->level++;
+        status = search(ctx, along, NULL);
+        if (status != KN_EUNDECIDED) continue;
+        kn_ctx_clear_error(ctx);
+        *along = before;
+        return KN_OK;
+    }
+    return status;
+}
+
+// From the edge alone: its size and its tangents, too, are the same for both neighbours.
+static kn_status fit_edge(kn_ctx *ctx, kn_limit_edge *edge, const fit *f, int e)
 {
     kn_fit_limits limits = *f->limits;
+    kn_bezier curve;
+    fit along;
     limits.tolerance *= 0.25;
+    kn_status status = take_edge(ctx, &curve, &edge->turned, f->a, e / 2, e % 2);
+    if (status != KN_OK) return status;
+    kn_limit_narrow(&limits, &edge->size, &curve);
+    begin(&along, &curve, &limits);
+    status = search_within(ctx, &along, NULL, &limits, 0.25 * f->limits->tolerance);
+    if (status == KN_OK && edge->size > 0.0) status = straighten(ctx, &along);
+    edge->axis = along.axis[0], edge->coef = along.coef, edge->error = along.error;
+    return status;
+}
+
+// And what they ask of the surface: spans along them, and a tolerance that is a part of the shortest.
+static kn_status fit_edges(kn_ctx *ctx, kn_limit_edge edges[4], fit *f, kn_fit_limits *limits)
+{
     kn_status status = KN_OK;
+    double least = INFINITY, error = 0.0;
     for (int e = 0; e < 4 && status == KN_OK; e++) {
-        kn_bezier curve;
-        fit along;
-        status = take_edge(ctx, &curve, &edges[e].turned, f->a, e / 2, e % 2);
-        if (status != KN_OK) break;
-        begin(&along, &curve, &limits);
-        status = search(ctx, &along, NULL);
-        edges[e].axis = along.axis[0];
-        edges[e].coef = along.coef;
-        int level = along.axis[0].level;
-        if (level > f->axis[1 - e / 2].level) f->axis[1 - e / 2].level = level;
+        kn_limit_axis *along = &f->axis[1 - e / 2];
+        status = fit_edge(ctx, &edges[e], f, e);
+        if (edges[e].axis.level > along->level) along->level = edges[e].axis.level;
+        if (edges[e].size > 0.0) least = fmin(least, edges[e].size);
+        error = fmax(error, edges[e].error);
     }
+    limits->tolerance = fmin(limits->tolerance, fmax(least / KN_SURFACE_PARTS, 2.0 * error));
+    if (status == KN_OK && limits->angle > 0.0 && is_in_space(f->a)) status = kn_limit_raise_levels(ctx, f, edges);
     return status;
 }
 
@@ -409,6 +444,8 @@ static kn_status check(kn_ctx *ctx, const kn_bezier *a, const kn_fit_limits *l)
     if (!(l->tolerance > 0.0) || !isfinite(l->tolerance) || !(l->quantum >= 0.0) ||
         l->quantum > 0.25 * l->tolerance || (l->quantum > 0.0 && frexp(l->quantum, &e) != 0.5))
         return kn_fail(ctx, KN_EDOMAIN, "limit_degree: tolerance %g, quantum %g", l->tolerance, l->quantum);
+    if (!(l->angle >= 0.0) || l->angle > MOST_ANGLE)
+        return kn_fail(ctx, KN_EDOMAIN, "limit_degree: angle %g (at most %g)", l->angle, MOST_ANGLE);
     if (l->max_level < 0 || l->max_level > MOST_LEVEL)
         return kn_fail(ctx, KN_ELIMIT, "limit_degree: %d halvings", l->max_level);
     for (size_t i = 0, n = kn_bezier_count(a) * (size_t)a->ncomp; i < n; i++)
@@ -416,16 +453,16 @@ static kn_status check(kn_ctx *ctx, const kn_bezier *a, const kn_fit_limits *l)
     return KN_OK;
 }
 
-static kn_status angles(kn_ctx *ctx, kn_fit_limited *report, const fit *f)
+static kn_status angles(kn_ctx *ctx, kn_fit_limited *report, const fit *f, const kn_limit_edge *edges)
 {
     kn_status status = KN_OK;
     for (int e = 0; e < 4 && status == KN_OK; e++) {
-        double angle;
-        status = kn_limit_edge_angle(ctx, &angle, f, f->error, e / 2, e % 2);
-        if (isinf(angle))
-            report->unknown_angles++;
-        else
-            report->angle = fmax(report->angle, angle);
+        kn_limit_turn turn = {.goal = f->limits->angle};
+        status = kn_limit_edge_angle(ctx, &turn, f, edges[e].error, e / 2, e % 2);
+        report->unknown_angles += turn.unknown;
+        if (turn.unknown) continue;
+        report->angle = fmax(report->angle, turn.angle);
+        report->wide_angles += f->limits->angle > 0.0 && turn.angle > f->limits->angle;
     }
     return status;
 }
@@ -439,8 +476,7 @@ static kn_status give(kn_ctx *ctx, kn_spline *out, kn_spline *edges, kn_fit_limi
     kn_status status = report ? certify(ctx, f, 0.0, INFINITY) : KN_OK; // as closely as can be
     r.error = f->error;
     for (int v = 0; v < f->a->nvars; v++) r.spans[v] = 1 << f->axis[v].level;
-    if (status == KN_OK && report && f->a->nvars == 2 && f->a->ncomp == 3 + f->a->rational)
-        status = angles(ctx, &r, f);
+    if (status == KN_OK && report && is_in_space(f->a)) status = angles(ctx, &r, f, fitted_edges);
     if (status == KN_OK) status = to_spline(ctx, &s, f->a, f->a->nvars, f->axis, f->coef);
     for (int e = 0; e < 4 && edges && f->a->nvars == 2 && status == KN_OK; e++)
         status = edge_spline(ctx, &edge[e], f->a, &fitted_edges[e]);
@@ -476,8 +512,9 @@ kn_status kn_fit_limit_degree(kn_ctx *ctx, kn_spline *out, kn_spline *edges, kn_
         return KN_OK;
     }
     kn_mark mark = kn_scratch_mark(ctx);
-    if (a->nvars == 2) status = fit_edges(ctx, fitted_edges, &f);
-    if (status == KN_OK) status = search(ctx, &f, a->nvars == 2 ? fitted_edges : NULL);
+    if (a->nvars == 2) status = fit_edges(ctx, fitted_edges, &f, &limits);
+    if (status == KN_OK)
+        status = search_within(ctx, &f, a->nvars == 2 ? fitted_edges : NULL, &limits, options->tolerance);
     if (status == KN_OK) status = give(ctx, out, edges, report, &f, fitted_edges);
     kn_scratch_release(ctx, mark);
     return status;

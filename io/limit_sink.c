@@ -10,6 +10,7 @@
 #include "kernel/context.h"
 
 enum { FACES = 6, OF_PATCH = 5 }; // splines of a limited patch: itself and its edges
+static const double USUAL_ANGLE = 0.017453292519943295, MOST_ANGLE = 0.8; // radians
 
 typedef struct limit {
     kn_sink *sinks;
@@ -35,7 +36,8 @@ typedef struct limited {
 
 static void add_sums(kn_limit_summary *to, const kn_limit_summary *s)
 {
-    to->exact += s->exact, to->limited += s->limited, to->unknown_angles += s->unknown_angles;
+    to->exact += s->exact, to->limited += s->limited;
+    to->unknown_angles += s->unknown_angles, to->wide_angles += s->wide_angles;
     to->spans += s->spans, to->control_points += s->control_points;
     to->error = fmax(to->error, s->error), to->angle = fmax(to->angle, s->angle);
     for (int v = 0; v < 2; v++)
@@ -46,8 +48,10 @@ static void note_patch(kn_limit_summary *sum, const kn_patch *patch, const kn_fi
 {
     const kn_spline s = kn_patch_spline(patch);
     kn_limit_summary one = {.exact = !report, .limited = report != NULL};
-    if (report)
-        one.error = report->error, one.angle = report->angle, one.unknown_angles = (size_t)report->unknown_angles;
+    if (report) {
+        one.error = report->error, one.angle = report->angle;
+        one.unknown_angles = (size_t)report->unknown_angles, one.wide_angles = (size_t)report->wide_angles;
+    }
     for (int v = 0; v < s.nvars; v++)
         for (int k = 0; k < 2; k++)
             if ((s.nvars == 3 || v == k) && s.degree[v] > one.degree[k]) one.degree[k] = s.degree[v];
@@ -310,6 +314,8 @@ static kn_status check(kn_ctx *ctx, const kn_sink *sinks, int n, const kn_limit_
     if (o->max_degree < 3 || o->max_degree > KN_MAX_DEGREE || !(o->tolerance > 0.0) || !isfinite(o->tolerance))
         return kn_fail(ctx, KN_EDOMAIN, "limits: degree %d (3 to %d), tolerance %g", o->max_degree, KN_MAX_DEGREE,
                        o->tolerance);
+    if (!(o->seam_angle >= 0.0 && o->seam_angle <= MOST_ANGLE))
+        return kn_fail(ctx, KN_EDOMAIN, "limits: seam angle %g (at most %g)", o->seam_angle, MOST_ANGLE);
     if (n < 1) return kn_fail(ctx, KN_EDOMAIN, "limits: %d sinks", n);
     for (int k = 0; k < n; k++)
         if (!sinks[k].commit) return kn_fail(ctx, KN_EDOMAIN, "limits: sink %d is closed, or has no commit", k);
@@ -332,6 +338,7 @@ kn_status kn_limit_sink(kn_ctx *ctx, kn_sink *out, const kn_sink *sinks, int n, 
     for (int k = 0; k < n; k++) can_save = can_save && sinks[k].save && sinks[k].restore;
     *l = (limit){.sinks = copies, .nsinks = n, .told = summary};
     l->limits = (kn_fit_limits){.max_degree = options->max_degree, .tolerance = options->tolerance};
+    l->limits.angle = 0.5 * (options->seam_angle > 0.0 ? options->seam_angle : USUAL_ANGLE);
     l->limits.quantum = fmax(exp2(floor(log2(options->tolerance / 1024.0))), 0x1p-1000);
     if (summary) *summary = l->sum;
     *out = (kn_sink){.user = l,

@@ -3,7 +3,7 @@
 #ifndef IO_MERGE_H
 #define IO_MERGE_H
 
-#include <knurl/job.h>
+#include <knurl/io.h>
 
 #include "io/brep.h"
 
@@ -23,13 +23,15 @@ typedef struct kn_merge_item {
 // A surface in the place of a grid of items.
 typedef struct kn_merged {
     kn_spline surface, edge[4];
-    double error; // certified
+    double error, angle; // certified; of normals along the outer edges
+    int unknown_angles;  // of the four
     int columns, rows, continuity[2];
 } kn_merged;
 // turned (empty) = the item's surface as it lies in the grid. KN_ENOMEM.
 kn_status kn_merge_turn(kn_ctx *ctx, kn_spline *turned, const kn_merge_item *item);
-// The surface of columns x rows items, list[row * columns + column]. *good: within the tolerance; else *out is empty.
+// The surface of columns x rows items, list[row * columns + column]. *good: within the limits' tolerance and angle;
+// else *out is empty.
 kn_status kn_merge_surface(kn_ctx *ctx, kn_merged *out, bool *good, const kn_merge_item *items, const int *list,
-                           int columns, int rows, double tolerance);
+                           int columns, int rows, const kn_merge_options *limits);
 
 #endif

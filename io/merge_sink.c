@@ -10,12 +10,13 @@
 #include "kernel/context.h"
 
 enum { USUAL_CELLS = 4, MOST_CELLS = 64, MOST_SIDE = 1 << 12 };
+static const double MOST_ANGLE = 0.8;
 static const int edge_of[4] = {2, 1, 3, 0}; // of kn_patch.edge, by side
 
 typedef struct merge {
     kn_sink *sinks;
     int nsinks, cells;
-    double tolerance;
+    kn_merge_options limits;
     kn_merge_item *items; // that wait
     size_t nitems, room, sent;
     kn_merge_summary sum, *told;
@@ -71,7 +72,8 @@ static kn_status send_merged(kn_ctx *ctx, merge *m, const int *list, const kn_me
         if (i % merged->columns == 0) patch.segments[1] += item->patch.segments[1 - item->turn % 2];
     }
     m->sum.merged++;
-    m->sum.error = fmax(m->sum.error, merged->error);
+    m->sum.error = fmax(m->sum.error, merged->error), m->sum.angle = fmax(m->sum.angle, merged->angle);
+    m->sum.unknown_angles += (size_t)merged->unknown_angles;
     if (merged->continuity[0] != 1 && merged->continuity[1] != 1) m->sum.c2++;
     return send(ctx, m, &patch, 1);
 }
@@ -154,7 +156,7 @@ static kn_status look_at_seam(kn_ctx *ctx, const merge *m, kn_merge_item *item, 
     bool smooth = ratio > 1e-3 && ratio < 1e3 && status == KN_OK;
     for (int k = 0; k < PLACES && smooth; k++)
         for (int c = 0; c < 3; c++)
-            smooth = smooth && fabs(d[k][1][c] + ratio * d[k][0][c]) <= 4.0 * degree * m->tolerance;
+            smooth = smooth && fabs(d[k][1][c] + ratio * d[k][0][c]) <= 4.0 * degree * m->limits.tolerance;
     item->seam[own] = to->seam[item->next_side[own]] = smooth ? KN_SEAM_SMOOTH : KN_SEAM_SHARP;
     return status;
 }
@@ -223,7 +225,7 @@ static kn_status merge_from(kn_ctx *ctx, merge *m, int *list, int first)
         bool good = false;
         grow(m, list, first, most, &columns, &rows);
         if (columns * rows == 1) return KN_OK;
-        kn_status status = kn_merge_surface(ctx, &merged, &good, m->items, list, columns, rows, m->tolerance);
+        kn_status status = kn_merge_surface(ctx, &merged, &good, m->items, list, columns, rows, &m->limits);
         if (status == KN_OK && good) status = send_merged(ctx, m, list, &merged);
         kn_spline_clear(ctx, &merged.surface);
         for (int e = 0; e < 4; e++) kn_spline_clear(ctx, &merged.edge[e]);
@@ -328,7 +330,7 @@ static kn_status merge_begin(kn_ctx *ctx, void *user, const kn_tile *tile, const
     merge *m = user;
     kn_job_report r = *report;
     kn_status status = KN_OK;
-    r.crossing_error += m->tolerance; // of gaps: an edge and the end of a merged surface are so near
+    r.crossing_error += m->limits.tolerance; // of gaps: an edge and the end of a merged surface are so near
     for (int v = 0; v < 2; v++)       // patches may be turned
         if (report->degree[1 - v] > r.degree[v]) r.degree[v] = report->degree[1 - v];
     for (int k = 0; k < m->nsinks && status == KN_OK; k++)
@@ -371,6 +373,8 @@ kn_status kn_merge_sink(kn_ctx *ctx, kn_sink *out, const kn_sink *sinks, int n, 
         options->cells > MOST_CELLS)
         return kn_fail(ctx, KN_EDOMAIN, "merge: tolerance %g, %d cells (at most %d)", options->tolerance,
                        options->cells, (int)MOST_CELLS);
+    if (!(options->angle >= 0.0 && options->angle <= MOST_ANGLE))
+        return kn_fail(ctx, KN_EDOMAIN, "merge: angle %g (at most %g)", options->angle, MOST_ANGLE);
     if (n < 1) return kn_fail(ctx, KN_EDOMAIN, "merge: %d sinks", n);
     for (int k = 0; k < n; k++)
         if (!sinks[k].commit) return kn_fail(ctx, KN_EDOMAIN, "merge: sink %d is closed, or has no commit", k);
@@ -381,7 +385,7 @@ kn_status kn_merge_sink(kn_ctx *ctx, kn_sink *out, const kn_sink *sinks, int n, 
         return KN_ENOMEM;
     }
     memcpy(copies, sinks, (size_t)n * sizeof *copies);
-    *m = (merge){.sinks = copies, .nsinks = n, .tolerance = options->tolerance, .told = summary};
+    *m = (merge){.sinks = copies, .nsinks = n, .limits = *options, .told = summary};
     m->cells = options->cells > 0 ? options->cells : USUAL_CELLS;
     if (summary) *summary = m->sum;
     *out = (kn_sink){.user = m,

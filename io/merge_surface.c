@@ -10,6 +10,7 @@
 #include <string.h>
 
 #include "bezier/norm_bound.h"
+#include "fit/limit.h"
 #include "kernel/context.h"
 
 enum { MOST_CONTINUITY = 2 };
@@ -147,13 +148,65 @@ static kn_status put_pieces(kn_ctx *ctx, board *b, int column, int row)
     return status;
 }
 
+// ---- what joining changes ----
+
+// turn becomes that of itself and of the normals along the edge of piece q, from b's p, where variable var ends.
+static kn_status turn_at(kn_ctx *ctx, kn_limit_turn *turn, const kn_bezier *p, const kn_bezier *q, int var,
+                         bool at_end, double error, double rounding)
+{
+    int d = p->degree[1 - var];
+    const size_t n[2] = {(size_t)p->degree[0] + 1, (size_t)p->degree[1] + 1};
+    double *exact[2], *fit[2];
+    if (d == 0 || p->degree[var] == 0) return KN_OK;
+    kn_mark mark = kn_scratch_mark(ctx);
+    kn_status status = kn_limit_rows_at(ctx, exact, p->coef, (size_t)p->ncomp, n, var, at_end, p->degree[var]);
+    if (status == KN_OK)
+        status = kn_limit_rows_at(ctx, fit, q->coef, (size_t)p->ncomp, n, var, at_end, p->degree[var]);
+    if (status == KN_OK) {
+        const kn_limit_rows rows = {.ncomp = p->ncomp,
+                                    .rational = p->rational,
+                                    .along = {d, d, 0},
+                                    .exact = {exact[0], exact[1]},
+                                    .fit = {fit[0], fit[1]},
+                                    .error = error,
+                                    .rounding = {4.0 * d * rounding, 4.0 * p->degree[var] * rounding}};
+        status = kn_limit_turn_of(ctx, turn, &rows);
+    }
+    kn_scratch_release(ctx, mark);
+    return status;
+}
+
+// Along the outer edges; pieces: the merged surface's. rounding: of their control points, and of the board's.
+static kn_status outer_turns(kn_ctx *ctx, kn_merged *out, const board *b, const kn_bezier *pieces, double rounding,
+                             double goal)
+{
+    const size_t n[2] = {(size_t)b->nbreaks[0] - 1, (size_t)b->nbreaks[1] - 1};
+    kn_status status = KN_OK;
+    out->angle = 0.0, out->unknown_angles = 0;
+    for (int e = 0; e < 4 && status == KN_OK; e++) {
+        int var = e / 2, along = 1 - var;
+        kn_limit_turn turn = {.goal = goal};
+        for (size_t i = 0; i < n[along] && status == KN_OK; i++) {
+            size_t at[2];
+            at[var] = e % 2 ? n[var] - 1 : 0, at[along] = i;
+            size_t k = at[0] * n[1] + at[1];
+            status = turn_at(ctx, &turn, &b->pieces[k], &pieces[k], var, e % 2, out->error, rounding);
+        }
+        out->unknown_angles += turn.unknown;
+        if (!turn.unknown) out->angle = fmax(out->angle, turn.angle);
+    }
+    return status;
+}
+
 // The largest distance of the pieces of s from the board's: of control points, which is no less than that of points.
-static kn_status compare(kn_ctx *ctx, double *error, const board *b, const kn_spline *s)
+// And how far normals turn, where that is no more than the limits' tolerance.
+static kn_status compare(kn_ctx *ctx, kn_merged *out, const board *b, const kn_spline *s,
+                         const kn_merge_options *limits)
 {
     kn_bezier *pieces = NULL;
     size_t n = 0;
-    double most = 0.0, large = 0.0, weight = INFINITY, dw = 0.0;
-    *error = INFINITY;
+    double most = 0.0, large = 0.0, weight = INFINITY, dw = 0.0, most_w = 1.0;
+    out->error = INFINITY;
     kn_status status = kn_spline_to_bezier(ctx, &pieces, &n, s);
     for (size_t i = 0; status == KN_OK && n == b->npieces && i < n; i++) {
         const kn_bezier *p = &pieces[i], *q = &b->pieces[i];
@@ -163,6 +216,7 @@ static kn_status compare(kn_ctx *ctx, double *error, const board *b, const kn_sp
             for (size_t c = 0; c < 3; c++) d[c] = p->coef[c * m + k] - q->coef[c * m + k], x[c] = q->coef[c * m + k];
             most = fmax(most, hypot(hypot(d[0], d[1]), d[2]));
             large = fmax(large, hypot(hypot(x[0], x[1]), x[2]) / w);
+            most_w = fmax(most_w, w);
             weight = fmin(weight, p->rational ? fmin(w, p->coef[3 * m + k]) : 1.0);
             dw = fmax(dw, p->rational ? fabs(p->coef[3 * m + k] - w) : 0.0);
         }
@@ -171,14 +225,17 @@ static kn_status compare(kn_ctx *ctx, double *error, const board *b, const kn_sp
     double rounding = kn_gamma_up(40.0 * (s->degree[0] + s->degree[1] + 2)) * large *
                       (s->rational ? 2.0 / weight : 1.0);
     if (status == KN_OK && n == b->npieces && weight > 0.0)
-        *error = kn_round_up((most + dw * large) / weight) + rounding;
+        out->error = kn_round_up((most + dw * large) / weight) + rounding;
+    // Homogeneous control points are at most max(1, w) times as wrong.
+    if (status == KN_OK && out->error <= limits->tolerance && s->ncomp == 3 + s->rational)
+        status = outer_turns(ctx, out, b, pieces, rounding * fmax(1.0, most_w), limits->angle);
     for (size_t i = 0; i < n; i++) kn_bezier_clear(ctx, &pieces[i]);
     kn_free(ctx, pieces);
     return status;
 }
 
 // As smooth as may be without moving anything by more than the tolerance; C1 at least.
-static kn_status join(kn_ctx *ctx, kn_merged *out, bool *good, const board *b, double tolerance)
+static kn_status join(kn_ctx *ctx, kn_merged *out, bool *good, const board *b, const kn_merge_options *limits)
 {
     static const int tries[4][2] = {{2, 2}, {2, 1}, {1, 2}, {1, 1}};
     kn_status status = KN_OK;
@@ -192,8 +249,9 @@ static kn_status join(kn_ctx *ctx, kn_merged *out, bool *good, const board *b, d
             if (b->nbreaks[v] == 2) c[v] = p->degree[v] > 0 ? 0 : -1; // no seam there
         }
         status = kn_spline_from_bezier(ctx, &s, b->pieces, b->nbreaks, (const double *const *)b->breaks, c);
-        if (status == KN_OK) status = compare(ctx, &out->error, b, &s);
-        *good = status == KN_OK && out->error <= tolerance;
+        if (status == KN_OK) status = compare(ctx, out, b, &s, limits);
+        *good = status == KN_OK && out->error <= limits->tolerance;
+        if (limits->angle > 0.0 && !(out->angle <= limits->angle)) *good = false;
         if (*good) {
             kn_spline_swap(&out->surface, &s);
             for (int v = 0; v < 2; v++) out->continuity[v] = c[v];
@@ -255,7 +313,7 @@ static void clear(kn_ctx *ctx, board *b)
 }
 
 kn_status kn_merge_surface(kn_ctx *ctx, kn_merged *out, bool *good, const kn_merge_item *items, const int *list,
-                           int columns, int rows, double tolerance)
+                           int columns, int rows, const kn_merge_options *limits)
 {
     board b = {.items = items, .list = list, .n = {columns, rows}};
     kn_merged m = {.columns = columns, .rows = rows};
@@ -273,7 +331,7 @@ kn_status kn_merge_surface(kn_ctx *ctx, kn_merged *out, bool *good, const kn_mer
     }
     for (int i = 0; i < columns * rows && status == KN_OK; i++)
         status = put_pieces(ctx, &b, i % columns, i / columns);
-    if (status == KN_OK) status = join(ctx, &m, good, &b, tolerance);
+    if (status == KN_OK) status = join(ctx, &m, good, &b, limits);
     static const int side_of[4] = {3, 1, 0, 2}; // of kn_patch.edge
     for (int e = 0; e < 4 && status == KN_OK && *good; e++) status = chain(ctx, &m.edge[e], &b, side_of[e]);
     if (status == KN_EUNDEFINED) *good = false, status = KN_OK;

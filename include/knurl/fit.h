@@ -147,26 +147,32 @@ typedef struct kn_fit_limits {
     int max_degree;   // of the result in each variable, at least 3: a higher degree is replaced
     int degree;       // by this one, 3 .. max_degree; 0: 5, or max_degree where that is less
     double tolerance; // > 0, length units: of the distance at equal parameters
-    // 0, or a power of two, at most tolerance / 4: control points of polynomial results are multiples of it, so that
-    // knots are inserted without rounding and edges agree exactly also where one side has more spans than the other;
-    // but not corners and edges of low degree, which stay what they were.
+    // 0, or a power of two, at most tolerance / 4: inner control points of polynomial edges are multiples of it, or of
+    // a smaller one where the edge is short, so that knots are inserted without rounding and edges agree exactly also
+    // where one side has more spans than the other; but not edges of low degree, which stay what they were.
     double quantum;
     int max_level; // of halving in each variable; 0: 8; at most 10
+    // Radians, at most 0.8: spans of a surface in space are halved, up to 5 times, until its normals turn by no more
+    // along each edge, certified, as far as that can be had (kn_fit_limited); 0: whatever comes.
+    double angle;
 } kn_fit_limits;
 
 typedef struct kn_fit_limited {
     double error;           // certified bound of the distance at equal parameters, rounding included; 0: exact
     int spans[KN_MAX_VARS]; // in each variable, equal ones
     bool exact;             // no degree passes the limit: the piece itself
-    // Of surfaces in space: a certified bound of the angle between their normals along the edges, radians, but for
-    // unknown_angles of the four, as where the normal vanishes. Two that share an edge meet at the angle they had,
-    // but for the sum of theirs.
+    // Of surfaces in space: a certified bound of the angle between their normals and the piece's along the edges,
+    // radians, but for unknown_angles of the four, where the normal vanishes somewhere or almost does. wide_angles of
+    // the others are above the limits' angle: more spans were of no use, or too many. Two that share an edge meet at
+    // the angle they had, but for the sum of theirs.
     double angle;
-    int unknown_angles;
+    int unknown_angles, wide_angles;
 } kn_fit_limited;
 
 // out = a spline over [0,1]^nvars of degree at most max_degree in each variable, within the tolerance of the piece a,
-// C1 inside. In a variable of lower degree nothing is approximated.
+// C1 inside. In a variable of lower degree nothing is approximated. Small pieces are fitted more closely: an edge
+// within 1/128 of its size, a surface within 1/32 of the least of its edges' sizes, or twice their errors; edges below
+// 2^-10 of the tolerance count as points.
 // in:     edges: NULL, or four splines, initialised.
 // out:    corners are a's, bit for bit. An edge of a surface depends on the control points of a's edge and the limits
 //         alone, whichever way it runs: pieces that share an edge bit for bit share the fitted one. edges[0 ..]: r =

@@ -108,20 +108,24 @@ KN_API KN_CHECKED kn_status kn_null_sink(kn_ctx *ctx, kn_sink *out);
 typedef struct kn_limit_options {
     int max_degree;   // 3 .. KN_MAX_DEGREE: what a receiver takes, in each variable
     double tolerance; // > 0, length units
+    // Radians, at most 0.8; 0: one degree. Where exact normals of two neighbours agree along an edge, those of what
+    // takes their places differ by no more, certified: each may turn by half of it. But for edges that are counted.
+    double seam_angle;
 } kn_limit_options;
 typedef struct kn_limit_summary {
     size_t exact, limited; // patches that went on as they came, and those that were replaced
     double error; // certified: no point of a limited patch is further from the exact one, at equal parameters
     // Certified, radians: between the normals of a limited patch and of the exact one along its edges, but for
-    // unknown_angles edges, as where the normal vanishes. What joined smoothly does so within twice that.
+    // unknown_angles edges, where the normal vanishes somewhere. What joined smoothly does so within twice that, which
+    // is at most seam_angle but for wide_angles edges, where more spans were of no use.
     double angle;
-    size_t unknown_angles;
+    size_t unknown_angles, wide_angles;
     int degree[2];                // largest that went on, in r and t; of volumes, of all variables
     size_t spans, control_points; // of all patches that went on
 } kn_limit_summary;
 // A sink before n others, at least one, which get each patch whose degrees are all at most max_degree as it is, and
 // in the place of others splines (kn_patch.spline, .edge) of degree up to 5 within the tolerance
-// (kn_fit_limit_degree; quantum 2^floor(log2(tolerance / 1024))), which are not exact. Volumes come as those of their
+// (kn_fit_limit_degree; quantum 2^floor(log2(tolerance / 1024)), half of seam_angle), which are not exact. Volumes come as those of their
 // faces that are not hidden. Trims stay what they are, in the plane of parameters; meshes pass. The report is told
 // fit_degree and fit_tolerance where its degrees are above the limit.
 // in:     sinks: out's on success, which closes them; the caller's after a failure. summary: NULL, or where it stands
@@ -149,11 +153,16 @@ KN_API KN_CHECKED kn_status kn_run_with_journal(kn_ctx *ctx, const kn_job *const
 typedef struct kn_merge_options {
     double tolerance; // > 0, length units: what merging may move
     int cells;        // in each direction that a surface may take patches from; 0: 4; at most 64
+    double angle;     // radians, at most 0.8: how far normals along its outer edges may turn; 0: whatever comes
 } kn_merge_options;
 typedef struct kn_merge_summary {
     size_t patches, faces, merged; // that came, that went on, and those of these that stand for several
     double error;                  // certified: no point moved further, at equal parameters of the pieces
     size_t c2;                     // merged ones that are C2 in both directions; the others are C1
+    // Certified, radians: no normal along the outer edges of a merged one turned further, but where normals vanish:
+    // unknown_angles of its four edges.
+    double angle;
+    size_t unknown_angles;
 } kn_merge_summary;
 // A sink before n others that puts one surface in the place of patches of one tile part, over up to cells x cells
 // cells, where they form a grid, joined bit for bit along their edges (kn_patch.edge, or their ends), of equal

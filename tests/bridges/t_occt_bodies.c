@@ -47,7 +47,7 @@ static void make_scene(scene *s, const char *tile, int cells, const kn_step_opti
     kn_job_options options = {.count = {cells, cells}};
     assert_int_equal(kn_job_create(s->ctx, &job, &s->base, 1, &s->tile, &options), KN_OK);
     kn_sink sinks[2] = {{0}, test_integral_sink(&s->ours)}, limited = {0};
-    kn_limit_options limits = {limit, 1e-3};
+    kn_limit_options limits = {.max_degree = limit, .tolerance = 1e-3};
     assert_int_equal(kn_step_sink(s->ctx, &sinks[0], s->path, step), KN_OK);
     if (limit > 0) assert_int_equal(kn_limit_sink(s->ctx, &limited, sinks, 2, &limits, NULL), KN_OK);
     kn_status status = limit > 0 ? kn_job_run(s->ctx, job, &limited, 1) : kn_job_run(s->ctx, job, sinks, 2);

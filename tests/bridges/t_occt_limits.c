@@ -30,7 +30,8 @@ static kn_occt_report trip(kn_ctx *ctx, const char *tile_name, const kn_limit_op
     assert_int_equal(kn_step_sink(ctx, &step, path, NULL), KN_OK);
     few = step;
     if (merge > 0.0)
-        assert_int_equal(kn_merge_sink(ctx, &few, &step, 1, &(kn_merge_options){merge, 2}, merged), KN_OK);
+        assert_int_equal(
+            kn_merge_sink(ctx, &few, &step, 1, &(kn_merge_options){.tolerance = merge, .cells = 2}, merged), KN_OK);
     assert_int_equal(kn_limit_sink(ctx, &limited, &few, 1, limits, sum), KN_OK);
     assert_int_equal(kn_job_run(ctx, job, &limited, 1), KN_OK);
     kn_sink_close(ctx, &limited);
@@ -49,7 +50,7 @@ static void closed_bodies_stay(void **state)
     (void)state;
     test_memory memory = TEST_MEMORY_INIT;
     kn_ctx *ctx = test_ctx(&memory, 1);
-    static const kn_limit_options limits[3] = {{3, 1e-2}, {11, 1e-3}, {KN_MAX_DEGREE, 1e-3}};
+    static const kn_limit_options limits[2] = {{3, 1e-2, 0.0}, {11, 1e-3, 0.0}};
     double volume = 0.0;
     for (int i = 0; i < 2; i++) {
         kn_limit_summary sum;
@@ -74,7 +75,8 @@ static void merged_faces_are_valid(void **state)
     kn_ctx *ctx = test_ctx(&memory, 1);
     kn_limit_summary sum;
     kn_merge_summary merged;
-    kn_occt_report r = trip(ctx, "bump", &(kn_limit_options){11, 1e-3}, 1e-3, &sum, &merged);
+    kn_occt_report r = trip(ctx, "bump", &(kn_limit_options){.max_degree = 11, .tolerance = 1e-3}, 1e-3, &sum,
+                            &merged);
     assert_int_equal(r.faces, merged.faces);
     assert_true(merged.faces < merged.patches / 4 && merged.error <= 1e-3);
     assert_true(r.first_invalid == -1 && r.valid_faces == r.faces);

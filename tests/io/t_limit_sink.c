@@ -12,8 +12,12 @@
 
 // ---- what is looked at ----
 
+enum { MOST_ALONG = 64 };
 typedef struct edge_pair {
     kn_brep_key exact, limited;
+    bool turned;
+    double least;                    // sine between the exact derivatives, where it is least
+    double normal[2][MOST_ALONG][3]; // exact and limited, in the direction that both neighbours take
 } edge_pair;
 
 typedef struct comparison {
@@ -22,6 +26,7 @@ typedef struct comparison {
     int max_degree;
     double tolerance;
     size_t samples; // of each patch
+    size_t along;   // of each edge
     const kn_patch_block *exact;
     edge_pair *edges;
     size_t nedges, room, patches, limited;
@@ -34,18 +39,44 @@ static double distance3(const double *a, const double *b)
     return hypot(hypot(a[0] - b[0], a[1] - b[1]), a[2] - b[2]);
 }
 
-static void unit_normal(double n[3], const double *d)
+// The sine of the angle between the derivatives: 0 or NaN where there is no normal.
+static double unit_normal(double n[3], const double *d)
 {
     const double *r = d + 3, *t = d + 6;
     for (int c = 0; c < 3; c++) n[c] = r[(c + 1) % 3] * t[(c + 2) % 3] - r[(c + 2) % 3] * t[(c + 1) % 3];
     double size = hypot(hypot(n[0], n[1]), n[2]);
     for (int c = 0; c < 3; c++) n[c] /= size;
+    return size / (hypot(hypot(r[0], r[1]), r[2]) * hypot(hypot(t[0], t[1]), t[2]));
+}
+
+// Between two lines.
+static double angle_of(const double *a, const double *b)
+{
+    double x[3], dot = a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+    for (int c = 0; c < 3; c++) x[c] = a[(c + 1) % 3] * b[(c + 2) % 3] - a[(c + 2) % 3] * b[(c + 1) % 3];
+    return atan2(hypot(hypot(x[0], x[1]), x[2]), fabs(dot));
 }
 
 static kn_brep_key key_of(const double *coef, int ncomp, size_t comp, size_t n, ptrdiff_t step)
 {
     bool turned;
     return kn_brep_hash(&turned, coef, ncomp, comp, n, step);
+}
+
+// Normals along edge e, its ends among the places.
+static void note_normals(const comparison *c, edge_pair *to, const kn_bezier *a, const kn_patch *patch, int e)
+{
+    const kn_spline s = kn_patch_spline(patch);
+    to->least = 1.0;
+    for (size_t i = 0; i < c->along; i++) {
+        double x[9], y[9], at[2], along = (double)i / (double)(c->along - 1);
+        at[e / 2] = e % 2, at[1 - e / 2] = to->turned ? 1.0 - along : along;
+        assert_int_equal(kn_bezier_derivatives(c->ctx, x, a, at, 1), KN_OK);
+        assert_int_equal(kn_spline_derivatives(c->ctx, y, &s, at, 1), KN_OK);
+        double sine = unit_normal(to->normal[0][i], x);
+        if (!(sine >= to->least)) to->least = sine >= 0.0 ? sine : 0.0;
+        unit_normal(to->normal[1][i], y);
+    }
 }
 
 static void note_edges(comparison *c, const kn_bezier *a, const kn_patch *patch)
@@ -60,7 +91,8 @@ static void note_edges(comparison *c, const kn_bezier *a, const kn_patch *patch)
     }
     for (int e = 0; e < 4; e++) {
         edge_pair *to = &c->edges[c->nedges++];
-        to->exact = key_of(a->coef + first[e], a->ncomp, n, count[e], step[e]);
+        to->exact = kn_brep_hash(&to->turned, a->coef + first[e], a->ncomp, n, count[e], step[e]);
+        note_normals(c, to, a, patch, e);
         to->limited = to->exact;
         if (!patch->edge) continue;
         const kn_spline *s = &patch->edge[e];
@@ -174,8 +206,28 @@ static int by_exact(const void *x, const void *y)
     return a->exact.b < b->exact.b ? -1 : a->exact.b > b->exact.b;
 }
 
+// Where exact normals agree along an edge, those of both limited faces do within the angle; *smooth: how many do.
+// Not where they vanish, or almost do, which the summary counts.
+static double seam_angle(const comparison *c, const edge_pair *a, const edge_pair *b, size_t *smooth)
+{
+    double most = 0.0, apart = 0.0;
+    if (!(fmin(a->least, b->least) > 0.05)) return 0.0;
+    for (size_t i = 0; i < c->along; i++) {
+        apart = fmax(apart, angle_of(a->normal[0][i], b->normal[0][i]));
+        most = fmax(most, angle_of(a->normal[1][i], b->normal[1][i]));
+    }
+    if (apart > 1e-7) return 0.0; // stand-ins for the normal are within 1e-3
+    ++*smooth;
+    return most;
+}
+
+typedef struct figures {
+    size_t cases, patches, limited, shared, unknown, wide, smooth, points[4][4], faces[4][4];
+    double ratio, turn, seam;
+} figures;
+
 // How many edges have two faces or more; both have one curve there.
-static size_t shared_edges(comparison *c)
+static size_t shared_edges(comparison *c, figures *f, double *seam)
 {
     size_t shared = 0;
     if (c->nedges > 0) qsort(c->edges, c->nedges, sizeof *c->edges, by_exact);
@@ -184,6 +236,7 @@ static size_t shared_edges(comparison *c)
         if (by_exact(a, b) != 0) continue;
         assert_true(a->limited.a == b->limited.a && a->limited.b == b->limited.b);
         shared++;
+        *seam = fmax(*seam, seam_angle(c, a, b, &f->smooth));
     }
     return shared;
 }
@@ -196,12 +249,8 @@ static bool make_base(kn_ctx *ctx, kn_spline *out, int base)
     return base < 2 || make_teapot(ctx, out, base == 2 ? 0 : 13);
 }
 
+static const double USUAL_ANGLE = 0.017453292519943295; // one degree
 static const int profiles[4] = {3, 11, 15, 25};
-
-typedef struct figures {
-    size_t cases, patches, limited, shared, unknown;
-    double ratio, turn, turn_ratio;
-} figures;
 
 static kn_job *make_job(kn_ctx *ctx, const kn_tile *tile, const kn_spline *base)
 {
@@ -214,30 +263,39 @@ static kn_job *make_job(kn_ctx *ctx, const kn_tile *tile, const kn_spline *base)
     return job;
 }
 
-static void try_case(kn_ctx *ctx, test_rng *rng, const kn_job *job, int max_degree, double tolerance, figures *f)
+static void try_case(kn_ctx *ctx, test_rng *rng, const kn_job *job, int k, figures *f)
 {
+    const int max_degree = profiles[k / 4];
+    const double tolerance = pow(10.0, -1 - k % 4);
     comparison c = {.ctx = ctx, .rng = rng, .max_degree = max_degree, .tolerance = tolerance};
     kn_job_report report = kn_job_describe(job);
     kn_limit_summary sum;
     kn_sink inner = {.user = &c, .begin = compare_begin, .commit = compare_commit};
     kn_sink sinks[2] = {{.user = &c, .commit = see_commit}};
     size_t samples = (size_t)test_scale(600) < 10000 ? (size_t)test_scale(600) : 10000;
-    c.samples = 1 + samples / (report.patches * (report.volumes > 0 ? 6 : 1));
-    assert_int_equal(kn_limit_sink(ctx, &sinks[1], &inner, 1, &(kn_limit_options){max_degree, tolerance}, &sum),
+    double seam = 0.0;
+    size_t faces = report.patches * (report.volumes > 0 ? 6 : 1);
+    c.samples = 1 + samples / faces;
+    c.along = 3 + samples / (4 * faces) < MOST_ALONG ? 3 + samples / (4 * faces) : MOST_ALONG;
+    assert_int_equal(kn_limit_sink(ctx, &sinks[1], &inner, 1,
+                                   &(kn_limit_options){.max_degree = max_degree, .tolerance = tolerance}, &sum),
                      KN_OK);
     assert_int_equal(kn_job_run(ctx, job, sinks, 2), KN_OK);
-    for (int k = 0; k < 2; k++) kn_sink_close(ctx, &sinks[k]);
+    for (int i = 0; i < 2; i++) kn_sink_close(ctx, &sinks[i]);
     // Evaluation errs by some hundred roundings of coordinates below 20.
     assert_true(c.most <= sum.error + 1e-12 && sum.error <= tolerance);
     if (sum.error > 1e-10) assert_true(sum.error <= 10.0 * c.most);
     if (sum.error > 1e-10 && c.most > 0.0) f->ratio = fmax(f->ratio, sum.error / c.most);
     assert_true(c.limited == sum.limited && c.patches - c.limited == sum.exact);
-    if (sum.unknown_angles == 0 && sum.limited > 0) {
+    if (sum.unknown_angles == 0 && sum.limited > 0)
         assert_true(c.turn <= sum.angle + 1e-7); // the chord of unit vectors
-        f->turn = fmax(f->turn, sum.angle);
-    }
-    f->unknown += sum.unknown_angles;
-    f->cases++, f->patches += c.patches, f->limited += c.limited, f->shared += shared_edges(&c);
+    assert_true(sum.wide_angles > 0 || sum.angle <= 0.5 * USUAL_ANGLE);
+    f->turn = fmax(f->turn, sum.angle);
+    f->unknown += sum.unknown_angles, f->wide += sum.wide_angles;
+    f->points[k / 4][k % 4] += sum.control_points, f->faces[k / 4][k % 4] += c.patches;
+    f->cases++, f->patches += c.patches, f->limited += c.limited, f->shared += shared_edges(&c, f, &seam);
+    assert_true(sum.wide_angles > 0 || seam <= USUAL_ANGLE);
+    f->seam = fmax(f->seam, seam);
     free(c.edges);
 }
 
@@ -261,7 +319,7 @@ static void tiles_bases_profiles(void **state)
             kn_job *job = make_job(ctx, &tile, &base);
             for (int k = 0; k < 16 && job; k++) {
                 if (test_scale(1) < 20 && k != 1 + i % 2 && k != 4 + i % 12) continue;
-                try_case(ctx, &rng, job, profiles[k / 4], pow(10.0, -1 - k % 4), &f);
+                try_case(ctx, &rng, job, k, &f);
             }
             kn_job_destroy(ctx, job);
         }
@@ -269,9 +327,12 @@ static void tiles_bases_profiles(void **state)
         kn_spline_clear(ctx, &base);
     }
     printf("# %zu cases, %zu patches, %zu limited, %zu shared edges; certificate at most %.2f times the samples; "
-           "angles up to %.2g, %zu unknown\n",
-           f.cases, f.patches, f.limited, f.shared, f.ratio, f.turn, f.unknown);
-    assert_true(f.limited > 0 && f.shared > 0);
+           "angles up to %.2g, %zu unknown, %zu wide; %zu smooth seams within %.2g at samples\n",
+           f.cases, f.patches, f.limited, f.shared, f.ratio, f.turn, f.unknown, f.wide, f.smooth, f.seam);
+    for (int k = 0; k < 16 && test_scale(1) >= 20; k++)
+        printf("# degree %d, tolerance 1e-%d: %.1f control points a face\n", profiles[k / 4], 1 + k % 4,
+               (double)f.points[k / 4][k % 4] / (double)f.faces[k / 4][k % 4]);
+    assert_true(f.limited > 0 && f.shared > 0 && f.smooth > 0);
     test_ctx_end(ctx, &memory);
 }
 
@@ -304,7 +365,8 @@ static kn_status feed_counting(kn_ctx *ctx, const hand *h, size_t block, kn_limi
     kn_sink inner[2] = {{0}}, sink;
     kn_status status = kn_null_sink(ctx, &inner[0]);
     if (status == KN_OK) status = kn_null_sink(ctx, &inner[1]);
-    if (status == KN_OK) status = kn_limit_sink(ctx, &sink, inner, 2, &(kn_limit_options){5, 1e-3}, sum);
+    if (status == KN_OK)
+        status = kn_limit_sink(ctx, &sink, inner, 2, &(kn_limit_options){.max_degree = 5, .tolerance = 1e-3}, sum);
     if (status != KN_OK) {
         kn_sink_close(ctx, &inner[0]);
         kn_sink_close(ctx, &inner[1]);
@@ -368,7 +430,9 @@ static void goes_on(void **state)
         kn_patch_block block = {(size_t)k, k ? 2 : 1, h.patches + k};
         void *product = NULL;
         for (int i = 0; i < 2; i++) assert_int_equal(kn_null_sink(ctx, &inner[i]), KN_OK);
-        assert_int_equal(kn_limit_sink(ctx, &sink, inner, 2, &(kn_limit_options){5, 1e-3}, &sum[1]), KN_OK);
+        assert_int_equal(
+            kn_limit_sink(ctx, &sink, inner, 2, &(kn_limit_options){.max_degree = 5, .tolerance = 1e-3}, &sum[1]),
+            KN_OK);
         if (k) {
             assert_int_equal(sink.restore(ctx, sink.user, &h.tile.tile, &h.report, data, n - 1), KN_EDOMAIN);
             kn_ctx_clear_error(ctx);
@@ -396,16 +460,24 @@ static void failures(void **state)
     kn_ctx *ctx = test_ctx(&memory, 1);
     hand h;
     kn_sink inner, sink, closed = {0};
-    static const kn_limit_options bad[] = {{2, 1.0}, {KN_MAX_DEGREE + 1, 1.0}, {5, 0.0}, {5, NAN}, {5, INFINITY}};
+    static const kn_limit_options bad[] = {{2, 1.0, 0.0},      {KN_MAX_DEGREE + 1, 1.0, 0.0},
+                                           {5, 0.0, 0.0},      {5, NAN, 0.0},
+                                           {5, INFINITY, 0.0}, {5, 1.0, -0.1},
+                                           {5, 1.0, 0.9},      {5, 1.0, NAN}};
     hand_make(ctx, &h);
     assert_int_equal(kn_null_sink(ctx, &inner), KN_OK);
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++)
         assert_int_equal(kn_limit_sink(ctx, &sink, &inner, 1, &bad[i], NULL), KN_EDOMAIN);
-    assert_int_equal(kn_limit_sink(ctx, &sink, &inner, 0, &(kn_limit_options){5, 1.0}, NULL), KN_EDOMAIN);
-    assert_int_equal(kn_limit_sink(ctx, &sink, &closed, 1, &(kn_limit_options){5, 1.0}, NULL), KN_EDOMAIN);
+    assert_int_equal(
+        kn_limit_sink(ctx, &sink, &inner, 0, &(kn_limit_options){.max_degree = 5, .tolerance = 1.0}, NULL),
+        KN_EDOMAIN);
+    assert_int_equal(
+        kn_limit_sink(ctx, &sink, &closed, 1, &(kn_limit_options){.max_degree = 5, .tolerance = 1.0}, NULL),
+        KN_EDOMAIN);
     kn_ctx_clear_error(ctx);
     // What cannot be had says of which patch.
-    assert_int_equal(kn_limit_sink(ctx, &sink, &inner, 1, &(kn_limit_options){5, 1e-30}, NULL), KN_OK);
+    assert_int_equal(
+        kn_limit_sink(ctx, &sink, &inner, 1, &(kn_limit_options){.max_degree = 5, .tolerance = 1e-30}, NULL), KN_OK);
     h.patches[0].id.cell[1] = 7;
     assert_int_equal(test_feed(ctx, &sink, &h.tile.tile, &h.report, h.patches, HAND, 2), KN_EUNDECIDED);
     assert_non_null(strstr(kn_ctx_message(ctx), "cell 0,7"));

@@ -151,13 +151,17 @@ static void few_faces(void **state)
         kn_sink inner = {.user = &few, .commit = keep_commit}, merged,
                 sinks[2] = {{.user = &all, .commit = keep_commit}};
         double tolerance = e->max_degree < KN_MAX_DEGREE ? 1e-3 : 1e-9;
-        assert_int_equal(kn_merge_sink(ctx, &merged, &inner, 1, &(kn_merge_options){tolerance, e->cells}, &sum),
+        assert_int_equal(kn_merge_sink(ctx, &merged, &inner, 1,
+                                       &(kn_merge_options){.tolerance = tolerance, .cells = e->cells, .angle = 0.01},
+                                       &sum),
                          KN_OK);
-        assert_int_equal(kn_limit_sink(ctx, &sinks[1], &merged, 1, &(kn_limit_options){e->max_degree, 1e-3}, &limits),
+        assert_int_equal(kn_limit_sink(ctx, &sinks[1], &merged, 1,
+                                       &(kn_limit_options){.max_degree = e->max_degree, .tolerance = 1e-3}, &limits),
                          KN_OK);
         assert_int_equal(kn_job_run(ctx, job, sinks, 2), KN_OK);
         for (int k = 0; k < 2; k++) kn_sink_close(ctx, &sinks[k]);
         assert_true(sum.patches == all.n && sum.faces == few.n && sum.error <= tolerance);
+        assert_true(sum.angle <= 0.01);
         assert_true(sum.faces <= e->most_faces && (sum.merged > 0) == (sum.faces < sum.patches));
         if (e->most_faces < sum.patches) assert_true(sum.merged > 0);
         for (size_t k = 0; k < few.n; k++) assert_true(jump(ctx, &few.surface[k]) <= 1e-6);
@@ -237,25 +241,78 @@ static void quarters(void **state)
     test_ctx_end(ctx, &memory);
 }
 
+static void normal_at(kn_ctx *ctx, double n[3], const kn_spline *s, double u, double v)
+{
+    double x[9];
+    assert_int_equal(kn_spline_derivatives(ctx, x, s, (double[]){u, v}, 1), KN_OK);
+    for (int c = 0; c < 3; c++)
+        n[c] = x[3 + (c + 1) % 3] * x[6 + (c + 2) % 3] - x[3 + (c + 2) % 3] * x[6 + (c + 1) % 3];
+}
+
+// Two halves whose derivatives across the seam differ a little: what joining turns at the outer edges is within what
+// the summary says, and where that is too much they stay two.
+static void turned_edges(void **state)
+{
+    (void)state;
+    test_memory memory = TEST_MEMORY_INIT;
+    kn_ctx *ctx = test_ctx(&memory, 1);
+    kn_patch patches[QUARTERS];
+    static kept few;
+    kn_merge_summary sum;
+    double most = 0.0;
+    make_quarters(ctx, patches);                                                // 0 and 1 lie side by side in t
+    for (int i = 0; i < 4; i++) patches[1].bezier.coef[32 + 4 * i + 1] += 2e-3; // z beside the seam
+    for (int run = 0; run < 2; run++) {
+        kn_merge_options o = {.tolerance = 1e-2, .angle = run ? 0.5 * most : 0.0};
+        test_tile tile;
+        kn_job_report report = test_report(2, 3, 3);
+        kn_sink inner = {.user = &few, .commit = keep_commit}, sink;
+        few = (kept){.ctx = ctx};
+        test_tile_make(&tile, 1);
+        assert_int_equal(kn_merge_sink(ctx, &sink, &inner, 1, &o, &sum), KN_OK);
+        assert_int_equal(test_feed(ctx, &sink, &tile.tile, &report, patches, 2, 1), KN_OK);
+        kn_sink_close(ctx, &sink);
+        assert_int_equal(sum.faces, run ? 2 : 1);
+        for (int i = 0; i <= 100 && run == 0; i++) {
+            kn_spline one = {0};
+            const kn_spline *s = &few.surface[0];
+            double n[3], m[3], x[3], t = (i / 2) / 50.0, joint = s->knots[1][s->degree[1] + 1];
+            assert_int_equal(kn_spline_of_bezier(ctx, &one, &patches[i % 2].bezier), KN_OK);
+            normal_at(ctx, n, &one, 0.0, t);
+            normal_at(ctx, m, s, 0.0, i % 2 ? joint + t * (1.0 - joint) : t * joint);
+            kn_spline_clear(ctx, &one);
+            for (int c = 0; c < 3; c++) x[c] = n[(c + 1) % 3] * m[(c + 2) % 3] - n[(c + 2) % 3] * m[(c + 1) % 3];
+            most = fmax(most, atan2(hypot(hypot(x[0], x[1]), x[2]), n[0] * m[0] + n[1] * m[1] + n[2] * m[2]));
+        }
+        assert_true(run || (most > 1e-4 && most <= sum.angle && sum.unknown_angles == 0));
+        clear_kept(&few);
+    }
+    for (int i = 0; i < QUARTERS; i++) kn_bezier_clear(ctx, &patches[i].bezier);
+    test_ctx_end(ctx, &memory);
+}
+
 static void failures(void **state)
 {
     (void)state;
     test_memory memory = TEST_MEMORY_INIT;
     kn_ctx *ctx = test_ctx(&memory, 1);
-    static const kn_merge_options bad[] = {{0.0, 0}, {NAN, 0}, {1.0, -1}, {1.0, 65}};
+    static const kn_merge_options bad[] = {{0.0, 0, 0.0},  {NAN, 0, 0.0}, {1.0, -1, 0.0}, {1.0, 65, 0.0},
+                                           {1.0, 0, -0.1}, {1.0, 0, 0.9}, {1.0, 0, NAN}};
     kn_sink inner = {0}, sink = {0};
     kn_patch none;
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++)
         assert_int_equal(feed(ctx, &bad[i], &none, 0, NULL), KN_EDOMAIN);
-    assert_int_equal(kn_merge_sink(ctx, &sink, &inner, 1, &(kn_merge_options){1.0, 1}, NULL), KN_EDOMAIN);
-    assert_int_equal(kn_merge_sink(ctx, &sink, &inner, 0, &(kn_merge_options){1.0, 1}, NULL), KN_EDOMAIN);
+    assert_int_equal(kn_merge_sink(ctx, &sink, &inner, 1, &(kn_merge_options){.tolerance = 1.0, .cells = 1}, NULL),
+                     KN_EDOMAIN);
+    assert_int_equal(kn_merge_sink(ctx, &sink, &inner, 0, &(kn_merge_options){.tolerance = 1.0, .cells = 1}, NULL),
+                     KN_EDOMAIN);
     assert_null(sink.user);
     test_ctx_end(ctx, &memory);
 }
 
 static kn_status starved(kn_ctx *ctx, void *user)
 {
-    return feed(ctx, &(kn_merge_options){1e-9, 0}, user, QUARTERS, NULL);
+    return feed(ctx, &(kn_merge_options){.tolerance = 1e-9}, user, QUARTERS, NULL);
 }
 
 static void allocation_failures(void **state)
@@ -273,9 +330,8 @@ static void allocation_failures(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(quarters),
-        cmocka_unit_test(failures),
-        cmocka_unit_test(allocation_failures),
+        cmocka_unit_test(quarters),  cmocka_unit_test(turned_edges),
+        cmocka_unit_test(failures),  cmocka_unit_test(allocation_failures),
         cmocka_unit_test(few_faces),
     };
     return cmocka_run_group_tests_name("io/merge_sink", tests, NULL, NULL);
