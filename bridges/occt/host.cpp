@@ -257,10 +257,11 @@ void answer(kn_ctx *ctx, kn_text *out, const request &r, written *w, const std::
     kn_text_put(out, "\ngap ");
     kn_text_plain_real(out, gap, 17);
     kn_text_newline(out);
+    std::sort(replaced.begin(), replaced.end());
     for (const shell &s : find.shells) {
         std::vector<unsigned> stay;
         for (unsigned f : s.faces)
-            if (std::find(replaced.begin(), replaced.end(), f) == replaced.end()) stay.push_back(f);
+            if (!std::binary_search(replaced.begin(), replaced.end(), f)) stay.push_back(f);
         kn_text_put(out, "shell");
         put_number(out, s.number), put_number(out, s.closed), put_number(out, static_cast<unsigned>(stay.size()));
         for (unsigned f : stay) put_number(out, f);

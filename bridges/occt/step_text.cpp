@@ -87,7 +87,10 @@ step_text::step_text(const std::string &file)
             continue;
         entity += c;
         if (c != ';' || quoted) continue;
-        if (entity == "ENDSEC;") return;
+        if (entity == "ENDSEC;") {
+            note_users();
+            return;
+        }
         size_t end = 0;
         unsigned n = entity[0] == '#' ? number_at(entity, 0, &end) : 0;
         while (end < entity.size() && entity[end] == ' ') end++;
@@ -126,13 +129,21 @@ std::vector<unsigned> step_text::references(unsigned n) const
     return list;
 }
 
-std::vector<unsigned> step_text::users(unsigned n) const
+void step_text::note_users()
 {
-    std::vector<unsigned> list;
+    using_it.resize(entities.size());
     for (unsigned user = 0; user < entities.size(); user++)
-        for (const mention &m : mentions(entities[user]))
-            if (m.number == n && (list.empty() || list.back() != user)) list.push_back(user);
-    return list;
+        for (const mention &m : mentions(entities[user])) {
+            if (m.number >= entities.size()) continue;
+            std::vector<unsigned> &list = using_it[m.number];
+            if (list.empty() || list.back() != user) list.push_back(user);
+        }
+}
+
+const std::vector<unsigned> &step_text::users(unsigned n) const
+{
+    static const std::vector<unsigned> nobody;
+    return n < using_it.size() ? using_it[n] : nobody;
 }
 
 unsigned step_text::first_with(const char *part) const
@@ -170,14 +181,10 @@ void step_text::remove(const std::vector<unsigned> &numbers, const std::vector<u
 {
     std::vector<bool> stays(entities.size());
     for (unsigned n : stay) stays.at(n) = true;
-    std::vector<std::vector<unsigned>> users(entities.size());
     std::vector<size_t> uses(entities.size());
-    for (size_t n = 0; n < entities.size(); n++)
-        for (const mention &m : mentions(entities[n]))
-            if (m.number < entities.size()) {
-                users[m.number].push_back(static_cast<unsigned>(n));
-                uses[m.number]++;
-            }
+    for (const std::string &text : entities)
+        for (const mention &m : mentions(text))
+            if (m.number < entities.size()) uses[m.number]++;
     std::vector<unsigned> left = numbers;
     while (!left.empty()) {
         unsigned n = left.back();
@@ -185,7 +192,7 @@ void step_text::remove(const std::vector<unsigned> &numbers, const std::vector<u
         if (n >= entities.size() || entities[n].empty()) continue;
         const std::string text = entities[n];
         entities[n].clear();
-        for (unsigned user : users[n])
+        for (unsigned user : using_it[n])
             if (!entities[user].empty() && !stays[user] && !cut(entities[user], n)) left.push_back(user);
         for (const mention &m : mentions(text))
             if (m.number < entities.size() && --uses[m.number] == 0 && !stays[m.number]) left.push_back(m.number);

@@ -23,10 +23,10 @@ class step_text
     {
         return entities.empty() ? 0 : static_cast<unsigned>(entities.size() - 1);
     }
-    std::vector<unsigned> references(unsigned n) const; // what entity n refers to, in its order
-    std::vector<unsigned> users(unsigned n) const;      // what refers to it
-    unsigned first_with(const char *part) const;        // the first entity with this in its text; 0: none
-    std::string name(unsigned n) const;                 // "EDGE_CURVE"; "": a complex entity, or none
+    std::vector<unsigned> references(unsigned n) const;   // what entity n refers to, in its order
+    const std::vector<unsigned> &users(unsigned n) const; // what refers to it, or did before `remove`
+    unsigned first_with(const char *part) const;          // the first entity with this in its text; 0: none
+    std::string name(unsigned n) const;                   // "EDGE_CURVE"; "": a complex entity, or none
 
   private:
     struct mention {
@@ -35,7 +35,9 @@ class step_text
         int depth;         // of parentheses
     };
     std::vector<std::string> entities; // by number, from '=' on; empty: there is none
+    std::vector<std::vector<unsigned>> using_it;
 
+    void note_users();
     static std::vector<mention> mentions(const std::string &text);
     bool cut(std::string &text, unsigned number) const;
 };
