@@ -206,8 +206,8 @@ tiles-check:
 
 # ---- gallery: the pictures of docs/gallery.md, each a recipe ----
 GALLERY := chess wicker chain knit moebius vases flower fur fur-gravity fur-wind
-.PHONY: gallery $(GALLERY:%=gallery-%)
-gallery: $(GALLERY:%=gallery-%)
+.PHONY: gallery gallery-knob $(GALLERY:%=gallery-%)
+gallery: $(if $(CAD_SRC),gallery-knob) $(GALLERY:%=gallery-%)
 gallery-moebius: RECIPE := examples/moebius/moebius.json
 gallery-moebius: VIEW := --azimuth 60 --elevation 30
 gallery-fur-gravity gallery-fur-wind: RECIPE := examples/gallery/fur.json
@@ -220,6 +220,15 @@ $(GALLERY:%=gallery-%): gallery-%: $(KNURL)
 	$(Q)$(KNURL) apply $(or $(RECIPE),examples/gallery/$*.json) $(APPLY) -q -o $(O)/gallery/$*.glb
 	$(Q)$(KNURL) render $(O)/gallery/$*.glb --width 960 --height 720 $(VIEW) -q -o $(O)/gallery/$*.png
 	@echo '  $(O)/gallery/$*.png'
+
+# docs/pictures/knob.png: what is in the STEP file.
+KNOB := $(O)/gallery/knob
+gallery-knob: $(KNURL) $(KNURL_CAD)
+	@mkdir -p $(O)/gallery
+	$(Q)$(KNURL) apply examples/cad/knob.json --color 0 --palette 565e68,565e68 -q -o $(KNOB).step
+	$(Q)$(KNURL) convert $(KNOB).step -q -o $(KNOB).glb
+	$(Q)$(KNURL) render $(KNOB).glb --width 800 --height 600 --samples 256 --elevation 17 --azimuth 15 -q -o $(KNOB).png
+	@echo '  $(KNOB).png'
 
 # ---- tests: each t_*.c is a program; it may use libknurl's internals, so it links the static library ----
 SUPPORT := $(B)/libsupport.a
