@@ -74,6 +74,7 @@ static const char exactly[] = // no string is longer than 4095 bytes
     "      --max-degree N      of faces in CAD files: 3 .. 56, occt (25, the default), catia (15), vda (11), cubic\n"
     "                          or exact; what is above becomes a spline within --tol, certified (docs/limits.md)\n"
     "      --tol L             of those (default 0.01mm), and chord height of the meshes (a hundredth of a cell)\n"
+    "      --seam-angle DEG    smooth seams of those stay so within this angle, certified (default 1)\n"
     "      --body replace|cover|none   of a CAD base, in STEP: the texture takes the place of the faces it covers\n"
     "                          (the default where the body stays closed), lies over them, or goes out alone\n"
     "      --merge             one face where patches form a smooth grid\n"

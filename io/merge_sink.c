@@ -331,7 +331,7 @@ static kn_status merge_begin(kn_ctx *ctx, void *user, const kn_tile *tile, const
     kn_job_report r = *report;
     kn_status status = KN_OK;
     r.crossing_error += m->limits.tolerance; // of gaps: an edge and the end of a merged surface are so near
-    for (int v = 0; v < 2; v++)       // patches may be turned
+    for (int v = 0; v < 2; v++)              // patches may be turned
         if (report->degree[1 - v] > r.degree[v]) r.degree[v] = report->degree[1 - v];
     for (int k = 0; k < m->nsinks && status == KN_OK; k++)
         if (m->sinks[k].begin) status = m->sinks[k].begin(ctx, m->sinks[k].user, tile, &r);

@@ -222,7 +222,12 @@ static void limits_of_cad_files(void **state)
     assert_true(fit_number("max_degree") == 3 && fit_number("limited_faces") == 36 && fit_number("exact_faces") == 0);
     assert_true(fit_number("tolerance") == 0.1 && fit_number("certified_error") > 0);
     assert_true(fit_number("certified_error") <= 0.1 && fit_number("seam_angle_rad") > 0);
+    assert_true(fit_number("seam_angle_rad") <= fit_number("seam_angle_asked_rad") && fit_number("wide_angles") == 0);
+    assert_true(fabs(fit_number("seam_angle_asked_rad") - 0.0174532925) < 1e-6); // one degree; six digits
     double points = fit_number("control_points");
+    assert_int_equal(run("%s --json --max-degree cubic --tol 0.1mm --seam-angle 0.1 -o '%s'", job, step), 0);
+    assert_true(fit_number("seam_angle_rad") <= 0.00174534 && fit_number("control_points") > points);
+    assert_true(fabs(fit_number("seam_angle_asked_rad") - 0.00174532925) < 1e-7);
     assert_int_equal(run("%s --json --max-degree cubic --tol 0.1mm --dry-run -o '%s'", job, step2), 0);
     assert_true(fit_number("limited_faces") == 36 && fabs(fit_number("control_points") - points) <= 0.5 * points);
     assert_false(exists(step2));
@@ -239,6 +244,11 @@ static void limits_of_cad_files(void **state)
     json_decref(r);
     assert_int_equal(run("%s --max-degree 2 -o '%s'", job, step), 2);
     assert_non_null(strstr(complained, "from 3 to 56"));
+    static const char *const bad[] = {"0", "-1", "nan", "inf", "46", "0.001", "x", ""};
+    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
+        assert_int_equal(run("%s --seam-angle '%s' -o '%s'", job, bad[i], step), 2);
+        assert_non_null(strstr(complained, "--seam-angle: expected"));
+    }
     assert_int_equal(run("%s --merge --resume -o '%s'", job, step), 2);
     remove(step), remove(stl);
 }

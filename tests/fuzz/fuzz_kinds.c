@@ -139,7 +139,9 @@ static void lower(feed *f, kn_sink *sink, size_t patches)
 {
     kn_sink merged, limited;
     const kn_limit_options limits = {.max_degree = feed_wild(f, 3, 9), .tolerance = 0.5};
-    if (patches > 12 || kn_merge_sink(f->ctx, &merged, sink, 1, &(kn_merge_options){.tolerance = 0.25, .cells = 2}, NULL) != KN_OK) return;
+    if (patches > 12 ||
+        kn_merge_sink(f->ctx, &merged, sink, 1, &(kn_merge_options){.tolerance = 0.25, .cells = 2}, NULL) != KN_OK)
+        return;
     *sink = merged;
     if (kn_limit_sink(f->ctx, &limited, sink, 1, &limits, NULL) == KN_OK) *sink = limited;
 }
