@@ -273,11 +273,22 @@ static size_t limit_bytes(const void *user)
 
 // ---- journals ----
 
+// What a run that goes on must ask for as it did.
+typedef struct asked {
+    double number[3];
+} asked;
+static asked asked_of(const limit *l)
+{
+    return (asked){{l->limits.max_degree, l->limits.tolerance, 2.0 * l->limits.angle}};
+}
+
 static kn_status limit_save(kn_ctx *ctx, void *user, unsigned char **data, size_t *bytes)
 {
     limit *l = user;
     kn_state state = {.ctx = ctx};
     kn_status status = KN_OK;
+    const asked own = asked_of(l);
+    kn_state_put(&state, &own, sizeof own);
     kn_state_put(&state, &l->sum, sizeof l->sum);
     for (int k = 0; k < l->nsinks && status == KN_OK; k++) {
         unsigned char *part = NULL;
@@ -295,7 +306,14 @@ static kn_status limit_restore(kn_ctx *ctx, void *user, const kn_tile *tile, con
     limit *l = user;
     kn_state_reader r = {data, bytes};
     kn_job_report told = report_of(l, report);
-    kn_status status = kn_state_take(&r, &l->sum, sizeof l->sum) ? KN_OK : kn_state_fail(ctx, "limited degrees");
+    asked then = {{0.0}}, own = asked_of(l);
+    kn_status status = kn_state_take(&r, &then, sizeof then) && kn_state_take(&r, &l->sum, sizeof l->sum)
+                           ? KN_OK
+                           : kn_state_fail(ctx, "limited degrees");
+    if (status == KN_OK && memcmp(&then, &own, sizeof own) != 0)
+        status = kn_fail(ctx, KN_EDOMAIN,
+                         "limits: begun with degree %g, tolerance %g and seam angle %g, not %g, %g, %g",
+                         then.number[0], then.number[1], then.number[2], own.number[0], own.number[1], own.number[2]);
     for (int k = 0; k < l->nsinks && status == KN_OK; k++) {
         size_t n = 0;
         const unsigned char *part = kn_state_take_block(&r, &n);

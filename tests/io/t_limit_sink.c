@@ -413,6 +413,21 @@ static void summaries(void **state)
     test_ctx_end(ctx, &memory);
 }
 
+// One that was begun with another angle, tolerance or degree is not gone on with.
+static void refuses_others(kn_ctx *ctx, const hand *h, const unsigned char *data, size_t n)
+{
+    static const kn_limit_options others[] = {{5, 1e-3, 0.1}, {5, 2e-3, 0.0}, {6, 1e-3, 0.0}};
+    for (size_t i = 0; i < sizeof others / sizeof *others; i++) {
+        kn_sink inner[2], sink;
+        for (int k = 0; k < 2; k++) assert_int_equal(kn_null_sink(ctx, &inner[k]), KN_OK);
+        assert_int_equal(kn_limit_sink(ctx, &sink, inner, 2, &others[i], NULL), KN_OK);
+        assert_int_equal(sink.restore(ctx, sink.user, &h->tile.tile, &h->report, data, n), KN_EDOMAIN);
+        assert_non_null(strstr(kn_ctx_message(ctx), "begun with"));
+        kn_ctx_clear_error(ctx);
+        kn_sink_close(ctx, &sink);
+    }
+}
+
 // A run that goes on after its first block has the sums of one that was not interrupted.
 static void goes_on(void **state)
 {
@@ -436,6 +451,7 @@ static void goes_on(void **state)
         if (k) {
             assert_int_equal(sink.restore(ctx, sink.user, &h.tile.tile, &h.report, data, n - 1), KN_EDOMAIN);
             kn_ctx_clear_error(ctx);
+            refuses_others(ctx, &h, data, n);
             assert_int_equal(sink.restore(ctx, sink.user, &h.tile.tile, &h.report, data, n), KN_OK);
         } else {
             assert_int_equal(sink.begin(ctx, sink.user, &h.tile.tile, &h.report), KN_OK);
