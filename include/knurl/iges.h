@@ -23,8 +23,8 @@ typedef struct kn_iges_options {
 // until then also one for the parameter section).
 // Millimetres. Each patch is a rational B-spline surface (128) on its own control points, and a face (510, 508) whose
 // edges (504, 126) and vertices (502) it shares, bit for bit, with its neighbours: bodies that close are manifold
-// solids (186, 514), the others open shells (514 form 2). Trimmed patches are trimmed surfaces (144, 142) with curves
-// in the plane of the parameters and in space (126), curves are 126. Colours: 314, one for each look in use; names as
+// solids (186, 514), with voids where patches tell of them, the others open shells (514 form 2). Trimmed patches are such
+// faces with curves in the plane of the parameters, too (126); without shells trimmed surfaces (144, 142). Curves are 126. Colours: 314, one for each look in use; names as
 // those of STEP (step.h): 406 form 15.
 // fails: also KN_EUNDEFINED (a control point that is not finite, a weight that is not positive), KN_ELIMIT (more
 // lines

@@ -74,8 +74,8 @@ typedef struct kn_step_options {
 
 // A sink that writes a STEP file as those of io.h do (a new file beside path, named when the job has ended), in
 // millimetres: one ADVANCED_FACE for each patch, on its own control points, named "s0 c3,4 ring 12": surface, cell,
-// part, patch (".1": piece). Edges that neighbours have in common bit for bit are one edge; bodies that are closed by
-// them are solids, others shells. Edges that are collapsed to a point (within 1e-7 mm or 1e-12 of the coordinates) are
+// part, patch (".1": piece). Edges that neighbours have in common bit for bit are one edge, those of trimmed patches, too,
+// and those that patches tell of (kn_patch_bounds); bodies that are closed by them are solids, others shells. Edges that are collapsed to a point (within 1e-7 mm or 1e-12 of the coordinates) are
 // left out. A colour for each part of the tile. Rational form only where weights differ. Where some faces are exact
 // and others not, the names of those that are not end with " ~"; the header says how far off they may be.
 // fails: also KN_EUNDEFINED (a control point that is not finite, a weight that is not positive), KN_ELIMIT (more than
