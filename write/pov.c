@@ -195,12 +195,12 @@ static void put_head(kn_text *text, const kn_write_text *w)
 
 static void put_tail(kn_text *text, const kn_write_text *w)
 {
-    static const double none[3] = {0, 0, 0};
+    static const double none[2][3] = {{0, 0, 0}, {1, 1, 1}}; // the camera needs a place to look at
     bool any = w->lo[0] <= w->hi[0];
     kn_text_put(text, "#declare Low = ");
-    put_vector(text, any ? w->lo : none);
+    put_vector(text, any ? w->lo : none[0]);
     kn_text_put(text, ";\n#declare High = ");
-    put_vector(text, any ? w->hi : none);
+    put_vector(text, any ? w->hi : none[1]);
     kn_text_put(
         text, ";\n#declare Middle = (Low + High) / 2;\n#declare Size = vlength(High - Low);\n"
               "camera {\n  location Middle + 1.6 * Size * vnormalize(<0.62, -1, 0.62>)\n"

@@ -245,9 +245,11 @@ static void put_head(kn_text *text, const kn_write_text *w)
                       "header_type=\"UInt64\">\n<UnstructuredGrid>\n");
 }
 
+// A grid without a piece is none to VTK.
 static void put_tail(kn_text *text, const kn_write_text *w)
 {
-    (void)w;
+    piece none = {.points = 0};
+    if (w->lo[0] > w->hi[0]) put_piece(text, &none);
     kn_text_put(text, "</UnstructuredGrid>\n</VTKFile>\n");
 }
 

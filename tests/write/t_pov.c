@@ -85,6 +85,8 @@ static void a_picture(void **state)
         assert_true(WIFEXITED(how) && WEXITSTATUS(how) == 0);
         assert_true(spread(picture) > 8); // of 256: something stands before the floor
     }
+    free(world_write(&w, kn_pov_sink, 0, 0, 1, NULL)); // nothing: the floor alone
+    if (there) assert_int_equal(system(command), 0);
     remove(picture);
     world_clear(&w);
     if (there) return;

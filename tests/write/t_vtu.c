@@ -190,6 +190,26 @@ static void triangles_too(void **state)
     world_clear(&w);
 }
 
+// A grid of no cells is a piece of none, which VTK reads.
+static void nothing(void **state)
+{
+    (void)state;
+    world w;
+    char command[2 * TEST_PATH_BYTES];
+    world_make(&w, "none.vtu");
+    char *text = world_write(&w, kn_vtu_sink, 0, 0, 1, NULL);
+    const char *piece = strstr(text, "<Piece NumberOfPoints=\"0\" NumberOfCells=\"0\">");
+    assert_non_null(piece);
+    assert_null(strstr(piece + 1, "<Piece "));
+    free(text);
+    (void)snprintf(command, sizeof command, "/usr/bin/python3 tests/write/vtk_eval.py '%s' 2>&1", w.path);
+    FILE *answers = popen(command, "r");
+    assert_non_null(answers);
+    int first = fgetc(answers), how = pclose(answers);
+    if (WIFEXITED(how) && WEXITSTATUS(how) == 0) assert_int_equal(first, EOF); // neither a cell nor a complaint
+    world_clear(&w);
+}
+
 static void refusals(void **state)
 {
     (void)state;
@@ -206,10 +226,8 @@ static void refusals(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(order_of_points),
-        cmocka_unit_test(as_vtk_sees_it),
-        cmocka_unit_test(triangles_too),
-        cmocka_unit_test(refusals),
+        cmocka_unit_test(order_of_points), cmocka_unit_test(as_vtk_sees_it), cmocka_unit_test(triangles_too),
+        cmocka_unit_test(nothing),         cmocka_unit_test(refusals),
     };
     return cmocka_run_group_tests_name("write/vtu", tests, NULL, NULL);
 }
