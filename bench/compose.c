@@ -84,6 +84,7 @@ static double product_rate(size_t k, size_t n)
 
 // ---- whole bicubic tile patches ----
 
+// u and v depend on both variables by their whole degree, so that the patch composes to seven times its own.
 static kn_status make_bump(kn_ctx *ctx, kn_tile *tile)
 {
     const double knots[] = {0, 0, 0, 0, 1, 1, 1, 1}, *k[2] = {knots, knots};
@@ -91,8 +92,9 @@ static kn_status make_bump(kn_ctx *ctx, kn_tile *tile)
     double coef[48];
     for (int i = 0; i < 4; i++)
         for (int j = 0; j < 4; j++) {
-            coef[4 * i + j] = i / 3.0;
-            coef[16 + 4 * i + j] = j / 3.0;
+            double bend = i == 1 && j == 2 ? 0.05 : 0.0;
+            coef[4 * i + j] = i / 3.0 + bend;
+            coef[16 + 4 * i + j] = j / 3.0 - bend;
             coef[32 + 4 * i + j] = i % 3 && j % 3 ? 0.9 : 0.1;
         }
     kn_spline s = {0};

@@ -254,24 +254,24 @@ static kn_status check_rows(kn_ctx *ctx, const components *c, int nvars, const i
 }
 
 kn_status kn_compose_matrix_init(kn_ctx *ctx, kn_compose_matrix *out, const kn_bezier *tile, const int degree[2],
-                                 int power, const int *rows_degree)
+                                 int power, const int *rows_degree, const int (*most)[3])
 {
     kn_compose_matrix m = {.rows = 1, .cols = (size_t)(degree[0] + 1) * (size_t)(degree[1] + 1)};
     target whole = {.matrix = &m, .whole = true};
     components c = {0};
-    int most[3][VARS] = {{0}};
+    int found[3][VARS] = {{0}};
     kn_status status = check(ctx, tile, degree, power);
-    if (status == KN_OK) status = components_init(ctx, &c, tile, NULL);
+    if (status == KN_OK) status = components_init(ctx, &c, tile, most);
     if (status == KN_OK) status = check_rows(ctx, &c, tile->nvars, degree, power, rows_degree);
     for (int d = tile->nvars - 1; d >= 0 && status == KN_OK; d--) {
-        for (int k = 0; k < 3; k++) most[k][d] = c.x[k].degree[d];
+        for (int k = 0; k < 3; k++) found[k][d] = c.x[k].degree[d];
         m.rows_degree[d] = whole.rows_degree[d] = rows_degree[d];
         whole.step[d] = (ptrdiff_t)m.rows;
         m.rows *= (size_t)rows_degree[d] + 1;
     }
     if (status == KN_OK && !(m.m = kn_alloc(ctx, m.rows * m.cols, sizeof *m.m))) status = KN_ENOMEM;
     if (status == KN_OK) status = fill(ctx, &whole, &c, degree, power);
-    if (status == KN_OK) status = fill_parts(ctx, &m, tile, (const int(*)[VARS])most, degree, power);
+    if (status == KN_OK) status = fill_parts(ctx, &m, tile, (const int(*)[VARS])found, degree, power);
     components_clear(ctx, &c);
     if (status == KN_OK)
         *out = m;

@@ -98,15 +98,13 @@ static kn_status compose_symbolic(kn_ctx *ctx, const composer *c, const kn_bezie
 
 // A patch that lies in its cell by a matrix of its own: unlike symbolic composition it gives an edge, a corner or a
 // face the same bits as any other patch that has it.
-static kn_status compose_alone(kn_ctx *ctx, const composer *c, const kn_job_key *key, const kn_bezier *d,
-                               const kn_shell_piece *piece, const kn_patch *patch)
+static kn_status compose_alone(kn_ctx *ctx, const composer *c, const kn_job_patch *tile, const kn_job_key *key,
+                               const kn_bezier *d, const kn_shell_piece *piece, const kn_patch *patch)
 {
-    int rows[KN_JOB_VARS] = {0};
-    for (int v = 0; v < d->nvars; v++) rows[v] = patch->bezier.degree[v];
     kn_job_matrix m = {0};
     kn_mark mark = kn_scratch_mark(ctx);
     const double *from = piece_rows(ctx, piece, c->ncomp);
-    kn_status status = from ? kn_job_make_matrix(ctx, &m, d, key, rows) : KN_ENOMEM;
+    kn_status status = from ? kn_job_make_matrix(ctx, &m, d, c->job, tile, key) : KN_ENOMEM;
     double *work = status == KN_OK ? kn_scratch(ctx, m.k, sizeof *work) : NULL;
     if (status == KN_OK && !work) status = KN_ENOMEM;
     for (size_t k = 0; status == KN_OK && k < (size_t)c->ncomp; k++) {
@@ -253,7 +251,7 @@ static kn_status compose_ref(kn_ctx *ctx, composer *c, kn_job_ref ref, const int
     const kn_job_key *key = &c->job->keys.list[ref.key];
     const kn_job_patch *from = &c->job->patches[key->patch];
     int degree[KN_JOB_VARS], index = 0;
-    kn_job_degree(from, key, degree);
+    kn_job_degree(key, degree);
     kn_patch *to = next_patch(ctx, c, from, key, ref.instance, cell, degree, from->d.nvars);
     if (!to) return KN_EUNDECIDED;
     if (from->d.nvars == 3 &&
@@ -271,7 +269,7 @@ static kn_status compose_ref(kn_ctx *ctx, composer *c, kn_job_ref ref, const int
     double lo[2], hi[2];
     bool by_matrix = key->whole && !c->job->options.symbolic;
     status = kn_job_in_box(ctx, &d, lo, hi, from, key);
-    if (status == KN_OK && by_matrix) status = compose_alone(ctx, c, key, &d, &p->piece, to);
+    if (status == KN_OK && by_matrix) status = compose_alone(ctx, c, from, key, &d, &p->piece, to);
     if (status == KN_OK && !by_matrix) status = compose_symbolic(ctx, c, &d, &p->piece, to);
     kn_bezier_clear(ctx, &d);
     return status;
@@ -294,7 +292,7 @@ static kn_status compose_leaf(kn_ctx *ctx, composer *c, const kn_job_cell_plan *
     const kn_job_patch *from = leaf->mesh.position ? NULL : kn_job_leaf_patch(plan, leaf);
     int degree[KN_JOB_VARS] = {0}, nvars = 0;
     if (from) {
-        kn_job_leaf_degree(plan, leaf, degree);
+        kn_job_leaf_degree(leaf, degree);
         nvars = leaf->made.coef ? leaf->made.nvars : from->d.nvars;
     }
     kn_patch *to = next_patch(ctx, c, from, &leaf->key, (uint32_t)leaf->instance, plan->cell, degree, nvars);
@@ -320,7 +318,7 @@ static kn_status compose_leaf(kn_ctx *ctx, composer *c, const kn_job_cell_plan *
     kn_bezier d = {0};
     kn_status status = kn_job_leaf_source(ctx, &d, plan, leaf);
     bool by_matrix = leaf->key.whole && !leaf->alone && !c->job->options.symbolic;
-    if (status == KN_OK && by_matrix) status = compose_alone(ctx, c, &leaf->key, &d, &piece->piece, to);
+    if (status == KN_OK && by_matrix) status = compose_alone(ctx, c, from, &leaf->key, &d, &piece->piece, to);
     if (status == KN_OK && !by_matrix) status = compose_symbolic(ctx, c, &d, &piece->piece, to);
     kn_bezier_clear(ctx, &d);
     return status;

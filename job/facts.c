@@ -2,10 +2,9 @@
 // What follows from a key, a cell or a surface.
 #include "job/internal.h"
 
-void kn_job_degree(const kn_job_patch *patch, const kn_job_key *key, int degree[KN_JOB_VARS])
+void kn_job_degree(const kn_job_key *key, int degree[KN_JOB_VARS])
 {
-    const kn_bezier *tile = &patch->d;
-    for (int d = 0; d < KN_JOB_VARS; d++) degree[d] = d < tile->nvars ? tile->degree[d] * key->factor : 0;
+    for (int d = 0; d < KN_JOB_VARS; d++) degree[d] = key->composed[d];
 }
 
 size_t kn_job_numbers(const int degree[KN_JOB_VARS])

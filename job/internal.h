@@ -20,6 +20,7 @@ enum {
 // in length units, in the coordinates of the cell at `offset` from the tile's own.
 typedef struct kn_job_patch {
     int part, spline, patch; // patch: Bezier patch of the part, counted over its splines
+    int bezier;              // counted over all parts
     int offset[2];
     bool inside;                             // u and v of all control points within [0,1]
     double top;                              // max |w|
@@ -49,7 +50,7 @@ typedef struct kn_job_key {
     bool exact;
     uint8_t nterms;
     uint8_t degree[KN_SHELL_TERMS][2], power[KN_SHELL_TERMS];
-    uint8_t factor; // composed degree / the tile patch's degree: the largest sum of a term's degrees and power
+    uint8_t composed[KN_JOB_VARS]; // degree
 } kn_job_key;
 
 // The edge that an edge of the base coincides with. Edges of surface s: 4s + 0 and 1 at the ends of u (they run along
@@ -60,6 +61,11 @@ typedef struct kn_job_partner {
     bool single;   // no third edge coincides with them
     bool goes_on;  // so do cell lines and normals, and a tile goes on over it (kn_job_match_edges)
 } kn_job_partner;
+
+// Degrees of u, v and w of a Bezier patch of the tile, in each variable (kn_job_find_least).
+typedef struct kn_job_least {
+    int degree[3][KN_JOB_VARS];
+} kn_job_least;
 
 // A cell, perhaps of another surface than the tile's own, and the way into its coordinates: turn % 4 quarter turns,
 // then, with KN_JOB_FLIP, (u, v, w) -> (u, 1 - v, -w): over an edge at which the normal turns over.
@@ -153,6 +159,7 @@ struct kn_job {
     int segments;
     kn_job_patch *patches;
     int npatches;
+    kn_job_least *least; // of each Bezier patch of the tile; NULL: the patch's own degrees
     kn_job_surface *surfaces;
     int nsurfaces;
     kn_job_term *terms;             // of the surfaces
@@ -262,6 +269,14 @@ kn_status kn_job_share_edges(kn_ctx *ctx, kn_job *job);
 kn_status kn_job_borrow(kn_ctx *ctx, const kn_job *job, int surface, const int cell[2], kn_shell_piece *piece);
 bool kn_job_borrows(const kn_job *job, int surface, const int cell[2]);
 
+// ---- least.c ----
+// job->least, so that patches which share an edge have one degree along it.
+kn_status kn_job_find_least(kn_ctx *ctx, kn_job *job);
+// Those in which a patch is composed over a whole cell; over less of one, its own.
+void kn_job_least_degrees(int least[3][KN_JOB_VARS], const kn_job *job, const kn_job_patch *patch, bool whole);
+// Raises `degree` to that of a term composed with components of these degrees.
+void kn_job_raise(int degree[KN_JOB_VARS], const int least[3][KN_JOB_VARS], const int term[2], int power);
+
 // ---- edges.c ----
 // partners: 4 for each surface.
 kn_status kn_job_find_partners(kn_ctx *ctx, kn_job_partner *partners, const kn_spline *surfaces, int nsurfaces,
@@ -319,6 +334,7 @@ typedef struct kn_job_change {
 kn_status kn_job_cut_patches(kn_ctx *ctx, kn_job_patches *out, const kn_tile *tile, const kn_job_options *options,
                              const kn_job_change *change);
 void kn_job_patches_clear(kn_ctx *ctx, kn_job_patches *patches);
+int kn_job_bezier_patches(const kn_spline *spline);
 // Where w of the tile lies: [0,1] spans the height.
 double kn_job_place_w(const kn_job_options *options, double w);
 // The largest degree of job->tile's splines, and so of all patches.
@@ -396,7 +412,7 @@ typedef struct kn_job_cell_plan {
 kn_status kn_job_add_leaf(kn_ctx *ctx, kn_job_cell_plan *plan, kn_job_leaf *leaf);
 void kn_job_cell_plan_clear(kn_ctx *ctx, kn_job_cell_plan *plan);
 const kn_job_patch *kn_job_leaf_patch(const kn_job_cell_plan *plan, const kn_job_leaf *leaf);
-void kn_job_leaf_degree(const kn_job_cell_plan *plan, const kn_job_leaf *leaf, int degree[KN_JOB_VARS]);
+void kn_job_leaf_degree(const kn_job_leaf *leaf, int degree[KN_JOB_VARS]);
 // D of a leaf in the coordinates of its piece's box, [0,1]^2, in which the piece is a function.
 kn_status kn_job_leaf_source(kn_ctx *ctx, kn_bezier *out, const kn_job_cell_plan *plan, const kn_job_leaf *leaf);
 
@@ -523,7 +539,7 @@ kn_status kn_job_clip_mesh(kn_ctx *ctx, kn_mesh *mesh, const double end[2][2]);
 // Surface and cell of the cell numbered `index` in the job's order.
 void kn_job_locate(const kn_job *job, size_t index, int *surface, int cell[2]);
 // The degree of the output patch of a key; coefficients of one component; what tessellations cut it into.
-void kn_job_degree(const kn_job_patch *patch, const kn_job_key *key, int degree[KN_JOB_VARS]);
+void kn_job_degree(const kn_job_key *key, int degree[KN_JOB_VARS]);
 size_t kn_job_numbers(const int degree[KN_JOB_VARS]);
 size_t kn_job_columns(const kn_job_key *key); // of its matrix: coefficients of one component of its piece
 void kn_job_segments(const kn_job *job, const kn_job_key *key, int segments[KN_JOB_VARS]);

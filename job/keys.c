@@ -8,10 +8,10 @@ static uint64_t term_of(const kn_job_key *k, int t)
     return (uint64_t)k->degree[t][0] << 16 | (uint64_t)k->degree[t][1] << 8 | k->power[t];
 }
 
-// All fields of a key but the terms, without loss: levels and indices; patch and the flags.
+// All fields of a key but the terms, without loss: levels, indices and a degree; patch, degrees and the flags.
 static uint64_t place_of(const kn_job_key *k)
 {
-    uint64_t p = 0;
+    uint64_t p = k->composed[2];
     for (int d = 0; d < KN_JOB_VARS; d++) p = (p << 4 | k->rect.level[d]) << 12 | k->rect.index[d];
     return p;
 }
@@ -19,7 +19,8 @@ static uint64_t place_of(const kn_job_key *k)
 static uint64_t kind_of(const kn_job_key *k)
 {
     uint32_t flags = (uint32_t)(k->turn << 2 | k->whole << 1 | k->exact);
-    return (uint64_t)(uint32_t)k->patch << 32 | (uint64_t)k->factor << 16 | (uint64_t)k->nterms << 8 | flags;
+    return (uint64_t)(uint32_t)k->patch << 32 | (uint64_t)k->composed[0] << 24 | (uint64_t)k->composed[1] << 16 |
+           (uint64_t)k->nterms << 8 | flags;
 }
 
 bool kn_job_same_key(const kn_job_key *a, const kn_job_key *b)

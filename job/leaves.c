@@ -16,33 +16,41 @@ const kn_job_patch *kn_job_leaf_patch(const kn_job_cell_plan *plan, const kn_job
     return leaf->own ? &plan->own.list[leaf->key.patch] : &plan->job->patches[leaf->key.patch];
 }
 
-void kn_job_leaf_degree(const kn_job_cell_plan *plan, const kn_job_leaf *leaf, int degree[KN_JOB_VARS])
+void kn_job_leaf_degree(const kn_job_leaf *leaf, int degree[KN_JOB_VARS])
 {
     if (leaf->made.coef) {
         for (int d = 0; d < KN_JOB_VARS; d++) degree[d] = d < leaf->made.nvars ? leaf->made.degree[d] : 0;
         return;
     }
-    kn_job_degree(kn_job_leaf_patch(plan, leaf), &leaf->key, degree);
+    kn_job_degree(&leaf->key, degree);
 }
 
-static void take_terms(kn_job_key *key, const kn_shell_piece *piece, const kn_job *job, const kn_job_surface *s)
+static void take_terms(kn_job_key *key, const kn_shell_piece *piece)
 {
-    int factor = 1;
     key->exact = piece->exact;
     key->nterms = (uint8_t)piece->nterms;
     for (int t = 0; t < piece->nterms; t++) {
-        const int *degree = piece->term[t].degree;
-        for (int d = 0; d < 2; d++) key->degree[t][d] = (uint8_t)degree[d];
+        for (int d = 0; d < 2; d++) key->degree[t][d] = (uint8_t)piece->term[t].degree[d];
         key->power[t] = (uint8_t)piece->power[t];
-        int sum = degree[0] + degree[1] + piece->power[t];
-        factor = sum > factor ? sum : factor;
     }
-    for (int t = 0; t < s->nterms && key->whole && piece->exact; t++) {
-        const kn_job_term *term = &job->terms[s->first_term + (size_t)t];
-        int sum = term->degree[0] + term->degree[1] + term->power;
-        factor = sum > factor ? sum : factor;
+}
+
+// The largest degree of all terms, also of those that surfaces beyond shared edges have.
+static void set_composed(kn_job_key *key, const kn_job *job, const kn_job_surface *s, const kn_job_patch *patch)
+{
+    int least[3][KN_JOB_VARS], degree[KN_JOB_VARS] = {0};
+    kn_job_least_degrees(least, job, patch, key->whole);
+    for (int v = 0; v < patch->d.nvars; v++) degree[v] = 1;
+    for (int t = 0; t < key->nterms; t++) {
+        const int term[2] = {key->degree[t][0], key->degree[t][1]};
+        kn_job_raise(degree, (const int(*)[KN_JOB_VARS])least, term, key->power[t]);
     }
-    key->factor = (uint8_t)factor;
+    for (int t = 0; t < s->nterms && key->whole && key->exact; t++) {
+        const kn_job_term *shared = &job->terms[s->first_term + (size_t)t];
+        const int term[2] = {shared->degree[0], shared->degree[1]};
+        kn_job_raise(degree, (const int(*)[KN_JOB_VARS])least, term, shared->power);
+    }
+    for (int v = 0; v < KN_JOB_VARS; v++) key->composed[v] = (uint8_t)degree[v];
 }
 
 static void count_trim(kn_job_cell_plan *plan, const kn_trim *trim)
@@ -65,11 +73,12 @@ kn_status kn_job_add_leaf(kn_ctx *ctx, kn_job_cell_plan *plan, kn_job_leaf *leaf
     }
     if (leaf->piece >= 0) {
         const kn_shell_piece *piece = &plan->pieces.list[leaf->piece].piece;
-        int surface = plan->pieces.list[leaf->piece].surface;
-        take_terms(&leaf->key, piece, plan->job, &plan->job->surfaces[surface]);
+        const kn_job_surface *surface = &plan->job->surfaces[plan->pieces.list[leaf->piece].surface];
+        const kn_job_patch *patch = kn_job_leaf_patch(plan, leaf);
+        take_terms(&leaf->key, piece);
+        set_composed(&leaf->key, plan->job, surface, patch);
         worsen(&plan->normal, &piece->normal);
-        if (!leaf->mesh.position)
-            plan->stand_in = fmax(plan->stand_in, piece->deviation * kn_job_leaf_patch(plan, leaf)->top);
+        plan->stand_in = fmax(plan->stand_in, piece->deviation * patch->top);
     }
     bool shifted = leaf->shift[0] != 0 || leaf->shift[1] != 0;
     if (leaf->own || leaf->alone || shifted || leaf->trim.nloops > 0 || leaf->made.coef || leaf->mesh.position)

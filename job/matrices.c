@@ -22,22 +22,24 @@ static size_t wanted(const matrices *m, size_t index)
     if (job->options.symbolic || (!key->whole && job->keys.uses[index] < LEAST_USES)) return 0;
     if (job->keys.uses[index] < m->least) return 0;
     int rows[KN_JOB_VARS];
-    kn_job_degree(&job->patches[key->patch], key, rows);
+    kn_job_degree(key, rows);
     return kn_job_columns(key) * kn_job_numbers(rows);
 }
 
-kn_status kn_job_make_matrix(kn_ctx *ctx, kn_job_matrix *out, const kn_bezier *d, const kn_job_key *key,
-                             const int rows[KN_JOB_VARS])
+kn_status kn_job_make_matrix(kn_ctx *ctx, kn_job_matrix *out, const kn_bezier *d, const kn_job *job,
+                             const kn_job_patch *patch, const kn_job_key *key)
 {
-    kn_job_matrix made = {.k = kn_job_columns(key), .n = 1};
-    for (int v = 0; v < KN_JOB_VARS; v++) made.n *= (size_t)rows[v] + 1;
+    int least[3][KN_JOB_VARS], rows[KN_JOB_VARS];
+    kn_job_least_degrees(least, job, patch, key->whole);
+    kn_job_degree(key, rows);
+    kn_job_matrix made = {.k = kn_job_columns(key), .n = kn_job_numbers(rows)};
     made.packed = kn_alloc(ctx, kn_gemm_room(made.k, made.n), sizeof *made.packed);
     kn_status status = made.packed ? KN_OK : KN_ENOMEM;
     size_t first = 0;
     for (int t = 0; status == KN_OK && t < key->nterms; t++) {
         const int degree[2] = {key->degree[t][0], key->degree[t][1]};
         kn_compose_matrix m = {0};
-        status = kn_compose_matrix_init(ctx, &m, d, degree, key->power[t], rows);
+        status = kn_compose_matrix_init(ctx, &m, d, degree, key->power[t], rows, (const int(*)[KN_JOB_VARS])least);
         if (status == KN_OK) kn_gemm_pack_some(made.packed, m.m, made.k, first, m.cols, made.n, m.rows, 1);
         first += m.cols;
         kn_compose_matrix_clear(ctx, &m);
@@ -57,10 +59,8 @@ static kn_status make_one(kn_ctx *ctx, void *user, size_t index)
     if (wanted(all_of, index) == 0) return KN_OK;
     kn_bezier d = {0};
     double lo[2], hi[2];
-    int rows[KN_JOB_VARS];
-    kn_job_degree(patch, key, rows);
     kn_status status = kn_job_in_box(ctx, &d, lo, hi, patch, key);
-    if (status == KN_OK) status = kn_job_make_matrix(ctx, &all_of->list[index], &d, key, rows);
+    if (status == KN_OK) status = kn_job_make_matrix(ctx, &all_of->list[index], &d, all_of->job, patch, key);
     kn_bezier_clear(ctx, &d);
     return status;
 }

@@ -190,7 +190,7 @@ kn_status kn_job_map_meshes(kn_ctx *ctx, kn_job_cell_plan *plan, const kn_job_in
     for (int p = 0; status == KN_OK && p < job->tile.nparts; p++) {
         const kn_tile_part *part = &job->tile.parts[p];
         if (part->mesh.ntriangles == 0) continue;
-        kn_job_leaf leaf = {.key = {.exact = true, .factor = 1}, .instance = instance->id, .piece = -1, .part = p};
+        kn_job_leaf leaf = {.key = {.exact = true}, .instance = instance->id, .piece = -1, .part = p};
         leaf.patch = patches_before_mesh(part);
         kn_mesh placed = {0};
         status = place_mesh(ctx, &placed, plan, instance, p);

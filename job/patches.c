@@ -107,7 +107,7 @@ typedef struct fragment {
 typedef struct builder {
     const kn_job_change *change;
     kn_job_patches *out;
-    int part, spline, patch;
+    int part, spline, patch, bezier;
 } builder;
 
 static kn_status reserve(kn_ctx *ctx, kn_job_patches *out)
@@ -127,7 +127,7 @@ static kn_status append(kn_ctx *ctx, builder *b, fragment *f)
 {
     kn_status status = reserve(ctx, b->out);
     if (status != KN_OK) return status;
-    kn_job_patch p = {.part = b->part, .spline = b->spline, .patch = b->patch, .inside = true};
+    kn_job_patch p = {.part = b->part, .spline = b->spline, .patch = b->patch, .bezier = b->bezier, .inside = true};
     kn_bezier *d = &f->d;
     size_t n = kn_bezier_count(d);
     double lo, hi;
@@ -243,7 +243,7 @@ static kn_status cut_spline(kn_ctx *ctx, builder *b, const kn_tile *tile, const 
     kn_bezier *pieces = NULL;
     size_t n = 0;
     kn_status status = kn_spline_to_bezier(ctx, &pieces, &n, &tile->parts[b->part].splines[b->spline]);
-    for (size_t i = 0; status == KN_OK && i < n; i++, b->patch++)
+    for (size_t i = 0; status == KN_OK && i < n; i++, b->patch++, b->bezier++)
         status = cut_bezier(ctx, b, &pieces[i], tile, o, change);
     for (size_t i = 0; i < n; i++) kn_bezier_clear(ctx, &pieces[i]);
     kn_free(ctx, pieces);
@@ -283,6 +283,13 @@ kn_status kn_job_make_patches(kn_ctx *ctx, kn_job *job)
     if (status != KN_OK) return status;
     job->variants[job->nvariants++] = (kn_job_variant){0, made.n};
     return KN_OK;
+}
+
+int kn_job_bezier_patches(const kn_spline *s)
+{
+    int n = 1;
+    for (int d = 0; d < s->nvars; d++) n *= kn_spline_spans(s, d);
+    return n;
 }
 
 int kn_job_tile_degree(const kn_job *job)

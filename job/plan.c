@@ -119,7 +119,7 @@ static kn_status share_list(kn_ctx *ctx, planning *p, uint32_t *list, const entr
         int degree[KN_JOB_VARS];
         p->refs[i].instance = (uint32_t)leaf->instance;
         status = kn_job_keys_add(ctx, &p->refs[i].key, &job->keys, &leaf->key);
-        kn_job_leaf_degree(plan, leaf, degree);
+        kn_job_leaf_degree(leaf, degree);
         numbers += kn_job_numbers(degree);
         weights += kn_job_numbers(degree) * kn_job_columns(&leaf->key);
     }
@@ -165,7 +165,7 @@ static void count_own(kn_job *job, kn_job_alike *to, const kn_job_cell_plan *pla
             continue;
         }
         int nvars = leaf->made.coef ? leaf->made.nvars : kn_job_leaf_patch(plan, leaf)->d.nvars;
-        kn_job_leaf_degree(plan, leaf, degree);
+        kn_job_leaf_degree(leaf, degree);
         to->numbers += ncomp * kn_job_numbers(degree);
         count_leaf(r, job, nvars, &leaf->key, degree, 1);
     }
@@ -256,7 +256,7 @@ static void count_shared(kn_job *job)
         const kn_job_key *key = &job->keys.list[i];
         const kn_job_patch *patch = &job->patches[key->patch];
         int degree[KN_JOB_VARS];
-        kn_job_degree(patch, key, degree);
+        kn_job_degree(key, degree);
         count_leaf(&job->report, job, patch->d.nvars, key, degree, job->keys.uses[i]);
     }
 }

@@ -14,9 +14,9 @@ typedef struct kn_job_matrix {
 // ---- matrices.c ----
 // One for each of job->keys, some of them empty. Their memory is limited.
 kn_status kn_job_make_matrices(kn_ctx *ctx, kn_job_matrix **out, const kn_job *job);
-// The one that composes d, in the coordinates of its box, as the key says: rows is the composed degree.
-kn_status kn_job_make_matrix(kn_ctx *ctx, kn_job_matrix *out, const kn_bezier *d, const kn_job_key *key,
-                             const int rows[KN_JOB_VARS]);
+// The one that composes d, a patch in the coordinates of its box, as the key says.
+kn_status kn_job_make_matrix(kn_ctx *ctx, kn_job_matrix *out, const kn_bezier *d, const kn_job *job,
+                             const kn_job_patch *patch, const kn_job_key *key);
 void kn_job_free_matrices(kn_ctx *ctx, const kn_job *job, kn_job_matrix *list);
 
 // ---- bands.c ----

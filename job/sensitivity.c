@@ -91,16 +91,52 @@ static kn_status derive(kn_ctx *ctx, kn_shell_piece *out, const kn_shell_piece *
     return status;
 }
 
-// out += (d_var T)(D) M_var in the composed degree.
-static kn_status add_part(kn_ctx *ctx, kn_bezier *out, const kn_shell_piece *piece, const kn_bezier *d,
+// The patch behind a leaf, and the degrees of u, v and w in which it composes.
+typedef struct source {
+    kn_bezier d;
+    int least[3][KN_JOB_VARS];
+} source;
+
+// out, of degrees at least those of the composition, += (piece)(D), with the matrices that compose the patch itself.
+static kn_status add_composed(kn_ctx *ctx, kn_bezier *out, const kn_shell_piece *piece, const source *from)
+{
+    kn_status status = KN_OK;
+    for (int t = 0; t < piece->nterms && status == KN_OK; t++) {
+        const kn_bezier *term = &piece->term[t];
+        kn_compose_matrix m = {0};
+        status = kn_compose_matrix_init(ctx, &m, &from->d, term->degree, piece->power[t], out->degree,
+                                        (const int(*)[KN_JOB_VARS])from->least);
+        for (size_t c = 0; c < (size_t)out->ncomp && status == KN_OK; c++)
+            for (size_t j = 0; j < m.cols; j++)
+                for (size_t i = 0; i < m.rows; i++)
+                    out->coef[c * m.rows + i] += m.m[j * m.rows + i] * term->coef[c * m.cols + j];
+        kn_compose_matrix_clear(ctx, &m);
+    }
+    return status;
+}
+
+static kn_status init_zero(kn_ctx *ctx, kn_bezier *out, int nvars, int ncomp, const int *degree)
+{
+    kn_status status = kn_bezier_init(ctx, out, nvars, ncomp, false, degree);
+    if (status == KN_OK) memset(out->coef, 0, (size_t)ncomp * kn_bezier_count(out) * sizeof *out->coef);
+    return status;
+}
+
+// out += (d_var T)(D) M_var in the composed degree. M_var has the degrees of the component that it moves.
+static kn_status add_part(kn_ctx *ctx, kn_bezier *out, const kn_shell_piece *piece, const source *from,
                           const kn_bezier *move, int var)
 {
     kn_shell_piece slope = {.nterms = 0};
     kn_bezier along = {0}, one = {0};
+    int degree[KN_JOB_VARS] = {0};
     kn_status status = derive(ctx, &slope, piece, var);
+    for (int t = 0; t < slope.nterms && status == KN_OK; t++)
+        kn_job_raise(degree, (const int(*)[KN_JOB_VARS])from->least, slope.term[t].degree, slope.power[t]);
     if (status == KN_OK && slope.nterms > 0) {
-        status = kn_compose_piece(ctx, &along, &slope, d);
+        status = init_zero(ctx, &along, out->nvars, out->ncomp, degree);
+        if (status == KN_OK) status = add_composed(ctx, &along, &slope, from);
         if (status == KN_OK) status = kn_bezier_components(ctx, &one, move, var, 1);
+        if (status == KN_OK) status = kn_bezier_reduce(ctx, &one, NULL, &one, from->least[var]);
         if (status == KN_OK) status = kn_bezier_product(ctx, &along, &along, &one);
         if (status == KN_OK) status = kn_bezier_elevate(ctx, &along, &along, out->degree);
         size_t n = (size_t)out->ncomp * kn_bezier_count(out);
@@ -110,6 +146,12 @@ static kn_status add_part(kn_ctx *ctx, kn_bezier *out, const kn_shell_piece *pie
     kn_bezier_clear(ctx, &one);
     kn_shell_piece_clear(ctx, &slope);
     return status;
+}
+
+static kn_status find_source(kn_ctx *ctx, source *out, const found *f)
+{
+    kn_job_least_degrees(out->least, f->plan.job, kn_job_leaf_patch(&f->plan, f->leaf), f->leaf->key.whole);
+    return kn_job_leaf_source(ctx, &out->d, &f->plan, f->leaf);
 }
 
 kn_status kn_job_parameter_sensitivity(kn_ctx *ctx, kn_bezier *out, const kn_job *job, const kn_patch_id *id,
@@ -122,19 +164,19 @@ kn_status kn_job_parameter_sensitivity(kn_ctx *ctx, kn_bezier *out, const kn_job
     if (status != KN_OK) return status;
     const kn_job_patch *patch = kn_job_leaf_patch(&f.plan, f.leaf);
     const kn_shell_piece *piece = &f.plan.pieces.list[f.leaf->piece].piece;
-    kn_bezier move = {0}, d = {0}, sum = {0};
+    kn_bezier move = {0}, sum = {0};
+    source from = {.d = {0}};
     int degree[KN_JOB_VARS];
-    kn_job_leaf_degree(&f.plan, f.leaf, degree);
+    kn_job_leaf_degree(f.leaf, degree);
     status = kn_job_vary_slope(ctx, &move, job, f.plan.surface, f.plan.cell, &f.instance, patch->part, patch->spline,
                                patch->patch, parameter);
     if (status == KN_OK) status = to_leaf(ctx, &move, &f);
-    if (status == KN_OK) status = kn_job_leaf_source(ctx, &d, &f.plan, f.leaf);
-    if (status == KN_OK) status = kn_bezier_init(ctx, &sum, d.nvars, piece->term[0].ncomp, false, degree);
-    if (status == KN_OK) memset(sum.coef, 0, (size_t)sum.ncomp * kn_bezier_count(&sum) * sizeof *sum.coef);
-    for (int var = 0; status == KN_OK && var < 3; var++) status = add_part(ctx, &sum, piece, &d, &move, var);
+    if (status == KN_OK) status = find_source(ctx, &from, &f);
+    if (status == KN_OK) status = init_zero(ctx, &sum, from.d.nvars, piece->term[0].ncomp, degree);
+    for (int var = 0; status == KN_OK && var < 3; var++) status = add_part(ctx, &sum, piece, &from, &move, var);
     if (status == KN_OK) kn_bezier_swap(out, &sum);
     kn_bezier_clear(ctx, &move);
-    kn_bezier_clear(ctx, &d);
+    kn_bezier_clear(ctx, &from.d);
     kn_bezier_clear(ctx, &sum);
     found_clear(ctx, &f);
     return status;
@@ -191,21 +233,20 @@ kn_status kn_job_base_sensitivity(kn_ctx *ctx, kn_bezier *out, const kn_job *job
     kn_status status = find(ctx, &f, job, id);
     if (status != KN_OK) return status;
     const kn_job_piece *piece = &f.plan.pieces.list[f.leaf->piece];
-    kn_bezier d = {0}, made = {0};
+    kn_shell_piece basis = {.nterms = 1}; // N_i w^0
+    kn_bezier made = {0};
+    source from = {.d = {0}};
     int degree[KN_JOB_VARS];
-    kn_job_leaf_degree(&f.plan, f.leaf, degree);
-    status = kn_job_leaf_source(ctx, &d, &f.plan, f.leaf);
-    if (status == KN_OK && piece->surface != surface) {
-        status = kn_bezier_init(ctx, &made, d.nvars, 1, false, degree);
-        if (status == KN_OK) memset(made.coef, 0, kn_bezier_count(&made) * sizeof *made.coef);
-    } else if (status == KN_OK) {
-        status = basis_function(ctx, &made, job, piece, index);
-        if (status == KN_OK) status = kn_bezier_components(ctx, &d, &d, 0, 2);
-        if (status == KN_OK) status = kn_bezier_compose(ctx, &made, &made, &d);
-        if (status == KN_OK) status = kn_bezier_elevate(ctx, &made, &made, degree);
+    kn_job_leaf_degree(f.leaf, degree);
+    status = find_source(ctx, &from, &f);
+    if (status == KN_OK) status = init_zero(ctx, &made, from.d.nvars, 1, degree);
+    if (status == KN_OK && piece->surface == surface) {
+        status = basis_function(ctx, &basis.term[0], job, piece, index);
+        if (status == KN_OK) status = add_composed(ctx, &made, &basis, &from);
     }
     if (status == KN_OK) kn_bezier_swap(out, &made);
-    kn_bezier_clear(ctx, &d);
+    kn_shell_piece_clear(ctx, &basis);
+    kn_bezier_clear(ctx, &from.d);
     kn_bezier_clear(ctx, &made);
     found_clear(ctx, &f);
     return status;

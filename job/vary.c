@@ -75,13 +75,6 @@ static kn_status make_moves(kn_ctx *ctx, kn_bezier *moves, const kn_job *job, in
     return status;
 }
 
-static int bezier_patches(const kn_spline *s)
-{
-    int n = 1;
-    for (int d = 0; d < s->nvars; d++) n *= kn_spline_spans(s, d);
-    return n;
-}
-
 static kn_status make_all_moves(kn_ctx *ctx, kn_job_varying *out, const kn_job *job)
 {
     const kn_tile *tile = &job->tile;
@@ -90,7 +83,7 @@ static kn_status make_all_moves(kn_ctx *ctx, kn_job_varying *out, const kn_job *
     if (!out->first) return KN_ENOMEM;
     for (int p = 0; p < tile->nparts; p++) {
         out->first[p] = total;
-        for (int s = 0; s < tile->parts[p].nsplines; s++) total += bezier_patches(&tile->parts[p].splines[s]);
+        for (int s = 0; s < tile->parts[p].nsplines; s++) total += kn_job_bezier_patches(&tile->parts[p].splines[s]);
     }
     size_t n = (size_t)total * (size_t)out->nrules;
     out->moves = kn_alloc_zero(ctx, n, sizeof *out->moves);
@@ -106,7 +99,7 @@ static kn_status make_all_moves(kn_ctx *ctx, kn_job_varying *out, const kn_job *
                 kn_bezier *to = out->moves + patch * (size_t)out->nrules + r;
                 if (target->coef) status = make_moves(ctx, to, job, out->nrules, &part->splines[s], target);
             }
-            patch += (size_t)bezier_patches(&part->splines[s]);
+            patch += (size_t)kn_job_bezier_patches(&part->splines[s]);
         }
     }
     return status;
@@ -279,7 +272,7 @@ kn_status kn_job_vary_slope(kn_ctx *ctx, kn_bezier *out, const kn_job *job, int 
     const kn_job_options *o = &job->options;
     kn_bezier rest = {0}, move = {0};
     amounts a = {.factor = 1.0};
-    for (int s = 0; s < spline; s++) patch -= bezier_patches(&from->splines[s]);
+    for (int s = 0; s < spline; s++) patch -= kn_job_bezier_patches(&from->splines[s]);
     kn_status status = take_patch(ctx, &rest, &from->splines[spline], patch);
     if (status == KN_OK)
         status = target && target->coef ? take_patch(ctx, &move, target, patch) : kn_bezier_copy(ctx, &move, &rest);

@@ -73,9 +73,8 @@ static double *reserve(kn_ctx *ctx, kn_step_points *p, size_t n)
 static kn_brep_key form_of(const kn_patch_net *net, const kn_step_item *item)
 {
     kn_brep_key key = {0, 0};
-    const double about[] = {item->look,    item->reversed,      item->exact,        net->rational,
-                            item->id.part, item->id.patch,      item->id.piece,     item->id.instance,
-                            net->n,        net->axis[0].degree, net->axis[1].degree};
+    const double about[] = {item->look,     item->reversed,    item->exact, item->id.part,       item->id.patch,
+                            item->id.piece, item->id.instance, net->n,      net->axis[0].degree, net->axis[1].degree};
     for (size_t i = 0; i < sizeof about / sizeof *about; i++) key = kn_brep_mix(key, about[i]);
     for (int v = 0; v < 2; v++) {
         const kn_patch_axis *axis = &net->axis[v];
@@ -100,7 +99,8 @@ kn_status kn_step_note_points(kn_ctx *ctx, kn_step_points *points, kn_step_item 
     if (status == KN_OK) {
         size_t n = 4 * (size_t)net.n;
         double *to = reserve(ctx, points, n);
-        if (to) memcpy(to, net.point, n * sizeof *to);
+        // weights that are equal but for rounding, or 1 where they are equal bit for bit, are all near 1
+        for (size_t i = 0; to && i < n; i++) to[i] = i % 4 == 3 ? net.point[i] / net.point[3] : net.point[i];
         item->points = points->n, item->npoints = n;
         item->form = form_of(&net, item);
         points->n += to ? n : 0;

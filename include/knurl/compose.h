@@ -95,7 +95,9 @@ KN_API KN_CHECKED kn_status kn_compose_piece(kn_ctx *ctx, kn_bezier *out, const 
 // of term[power] of any cell gives what that term contributes to the composed patch.
 // in:     tile: a curve, surface or volume of components (u, v, w), polynomial; rows_degree, tile.nvars of them:
 //         rows_degree[d] >= u_d degree[0] + v_d degree[1] + w_d power, where u_d is the least degree in variable d
-//         within which u is but for rounding (2^-48 of a cell, of w of its size; kn_bezier_least_degree), so for v, w.
+//         within which u is but for rounding (2^-48 of a cell, of w of its size; kn_bezier_least_degree), so v_d and
+//         w_d. most: degrees in each variable beyond which u, v and w are not taken, for the rest is known to be
+//         rounding: those of a patch of which the tile is a part, or which it is mapped from; NULL: as found.
 // out:    overwritten; ended by kn_compose_matrix_clear. In the unit cell with power 0: m >= 0, rows sum to 1. Rows
 //         on a face, an edge or a corner depend on that alone, bit for bit the same in every patch that has it.
 // fails:  KN_EDOMAIN shapes, degrees, KN_ELIMIT degree > KN_MAX_DEGREE, KN_ENOMEM; out unchanged.
@@ -106,7 +108,8 @@ typedef struct kn_compose_matrix {
     double *m; // column by column: element (q, j) is m[j * rows + q]; owned
 } kn_compose_matrix;
 KN_API KN_CHECKED kn_status kn_compose_matrix_init(kn_ctx *ctx, kn_compose_matrix *out, const kn_bezier *tile,
-                                                   const int degree[2], int power, const int *rows_degree);
+                                                   const int degree[2], int power, const int *rows_degree,
+                                                   const int (*most)[3]);
 KN_API void kn_compose_matrix_clear(kn_ctx *ctx, kn_compose_matrix *matrix);
 
 #ifdef __cplusplus

@@ -399,8 +399,9 @@ KN_API KN_CHECKED kn_status kn_job_source(kn_ctx *ctx, kn_bezier *out, kn_patch_
 //         held, which is exact where a direction takes its place, and else leaves w dn/dP out.
 // fails:  KN_EDOMAIN no such patch, parameter, surface or control point; a patch that is no composition; a volume;
 //         KN_ENOMEM; out unchanged.
-// error:  as kn_compose_piece and kn_bezier_product, in absolute values; by the base as kn_spline_restrict and
-//         kn_bezier_compose. cost: the plan of one cell and three compositions.
+// error:  as kn_compose_matrix_init and kn_bezier_product, in absolute values, and what moves is lowered within 2^-48
+//         of a cell (docs/numerics.md); by the base as kn_spline_restrict and kn_compose_matrix_init.
+// cost:   the plan of one cell and three matrices for each term.
 KN_API KN_CHECKED kn_status kn_job_parameter_sensitivity(kn_ctx *ctx, kn_bezier *out, const kn_job *job,
                                                          const kn_patch_id *id, int parameter);
 KN_API KN_CHECKED kn_status kn_job_base_sensitivity(kn_ctx *ctx, kn_bezier *out, const kn_job *job,

@@ -50,7 +50,7 @@ static void closed_bodies_stay(void **state)
     (void)state;
     test_memory memory = TEST_MEMORY_INIT;
     kn_ctx *ctx = test_ctx(&memory, 1);
-    static const kn_limit_options limits[2] = {{3, 1e-2, 0.0}, {11, 1e-3, 0.0}};
+    static const kn_limit_options limits[2] = {{3, 1e-2, 0.0}, {6, 1e-3, 0.0}};
     double volume = 0.0;
     for (int i = 0; i < 2; i++) {
         kn_limit_summary sum;

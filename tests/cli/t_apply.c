@@ -236,9 +236,9 @@ static void limits_of_cad_files(void **state)
     json_t *r = printed_json();
     assert_true(json_integer_value(get(get(get(r, "fit"), "merge"), "faces")) < 36);
     json_decref(r);
-    // The exact direction of a normal needs more than degree 25.
-    assert_int_equal(run("%s --json --normal exact-direction -o '%s'", job, step), 0);
-    assert_true(fit_number("max_degree") == 25 && fit_number("limited_faces") == 36);
+    // The exact direction of a normal needs more than degree 25, where u and v run along both variables.
+    assert_int_equal(run("%s --json --tile scale --normal exact-direction -o '%s'", job, step), 0);
+    assert_true(fit_number("max_degree") == 25 && fit_number("limited_faces") > 0);
     r = printed_json();
     assert_true(json_integer_value(json_array_get(get(r, "degree"), 0)) > 25);
     json_decref(r);

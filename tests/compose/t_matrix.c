@@ -44,7 +44,8 @@ static void equals_symbolic(void **state)
         }
         assert_int_equal(kn_compose_piece(ctx, &out, &piece, &tile), KN_OK);
         for (int k = 0; k < 2; k++) {
-            assert_int_equal(kn_compose_matrix_init(ctx, &m[k], &tile, piece.term[k].degree, k, out.degree), KN_OK);
+            assert_int_equal(kn_compose_matrix_init(ctx, &m[k], &tile, piece.term[k].degree, k, out.degree, NULL),
+                             KN_OK);
             assert_int_equal(m[k].rows, kn_bezier_count(&out));
             assert_int_equal(m[k].cols, kn_bezier_count(&piece.term[k]));
         }
@@ -77,7 +78,7 @@ static void convex_in_the_unit_cell(void **state)
         int sum = degree[0] + degree[1];
         const int rows[2] = {tile.degree[0] * sum + test_int(&rng, 0, 3),
                              tile.degree[1] * sum + test_int(&rng, 0, 3)};
-        assert_int_equal(kn_compose_matrix_init(ctx, &m, &tile, degree, 0, rows), KN_OK);
+        assert_int_equal(kn_compose_matrix_init(ctx, &m, &tile, degree, 0, rows, NULL), KN_OK);
         for (size_t q = 0; q < m.rows; q++) {
             double row = 0;
             for (size_t j = 0; j < m.cols; j++) {
@@ -136,7 +137,7 @@ static void shared_edges_are_equal(void **state)
                 *edge_coef(&tile[1], c, side[1], reversed ? 3 - i : i) = *edge_coef(&tile[0], c, side[0], i);
         const int rows[2] = {19, 19};
         for (int k = 0; k < 2; k++)
-            assert_int_equal(kn_compose_matrix_init(ctx, &m[k], &tile[k], degree, power, rows), KN_OK);
+            assert_int_equal(kn_compose_matrix_init(ctx, &m[k], &tile[k], degree, power, rows, NULL), KN_OK);
         for (int q = 0; q <= 19; q++)
             assert_same_rows(&m[0], edge_row(&m[0], side[0], q), &m[1],
                              edge_row(&m[1], side[1], reversed ? 19 - q : q));
@@ -165,7 +166,7 @@ static void edges_across_cells_are_equal(void **state)
             *edge_coef(&tile[1], across, 0, i) = 0;
         }
         for (int k = 0; k < 2; k++)
-            assert_int_equal(kn_compose_matrix_init(ctx, &m[k], &tile[k], degree, power, rows), KN_OK);
+            assert_int_equal(kn_compose_matrix_init(ctx, &m[k], &tile[k], degree, power, rows, NULL), KN_OK);
         for (int q = 0; q <= 18; q++) {
             const double *far = m[0].m + edge_row(&m[0], 1, q), *near = m[1].m + edge_row(&m[1], 0, q);
             for (int a = 0; a <= 3; a++)
@@ -208,7 +209,7 @@ static void shared_faces_are_equal(void **state)
         for (int size = 2; size <= 8; size += 6) { // of control points, then of rows
             const int *of = size == 2 ? degree : rows;
             for (int k = 0; size == 8 && k < 2; k++)
-                assert_int_equal(kn_compose_matrix_init(ctx, &m[k], &tile[k], cell, 1, rows), KN_OK);
+                assert_int_equal(kn_compose_matrix_init(ctx, &m[k], &tile[k], cell, 1, rows, NULL), KN_OK);
             for (int i = 0; i <= size; i++)
                 for (int j = 0; j <= size; j++) {
                     int a = turn & 1 ? size - i : i, b = turn & 2 ? size - j : j;
@@ -238,8 +239,8 @@ static void curves_are_edges(void **state)
         random_part(ctx, &curve, &rng, 1, three, 0, 1);
         for (int c = 0; c < 3; c++)
             for (int i = 0; i <= 3; i++) curve.coef[4 * c + i] = *edge_coef(&surface, c, side, i);
-        assert_int_equal(kn_compose_matrix_init(ctx, &m[0], &surface, cell, 1, rows), KN_OK);
-        assert_int_equal(kn_compose_matrix_init(ctx, &m[1], &curve, cell, 1, rows), KN_OK);
+        assert_int_equal(kn_compose_matrix_init(ctx, &m[0], &surface, cell, 1, rows, NULL), KN_OK);
+        assert_int_equal(kn_compose_matrix_init(ctx, &m[1], &curve, cell, 1, rows, NULL), KN_OK);
         for (int q = 0; q <= 12; q += 12) // inside, a curve keeps its own direction
             assert_same_rows(&m[0], edge_row(&m[0], side, q), &m[1], (size_t)q);
         for (int k = 0; k < 2; k++) kn_compose_matrix_clear(ctx, &m[k]);
@@ -257,15 +258,15 @@ static void failures(void **state)
     kn_bezier tile = {.nvars = 2, .ncomp = 3, .degree = {1, 1}, .coef = c}, other = tile;
     kn_compose_matrix m = {.rows = 7};
     const int degree[2] = {2, 2}, rows[2] = {5, 5}, few[2] = {5, 4}, many[2] = {57, 5}, negative[2] = {2, -1};
-    assert_int_equal(kn_compose_matrix_init(ctx, &m, &tile, degree, 1, few), KN_EDOMAIN);
-    assert_int_equal(kn_compose_matrix_init(ctx, &m, &tile, degree, 1, many), KN_ELIMIT);
-    assert_int_equal(kn_compose_matrix_init(ctx, &m, &tile, negative, 1, rows), KN_EDOMAIN);
-    assert_int_equal(kn_compose_matrix_init(ctx, &m, &tile, degree, -1, rows), KN_EDOMAIN);
-    assert_int_equal(kn_compose_matrix_init(ctx, &m, &tile, degree, 1000000000, rows), KN_ELIMIT);
+    assert_int_equal(kn_compose_matrix_init(ctx, &m, &tile, degree, 1, few, NULL), KN_EDOMAIN);
+    assert_int_equal(kn_compose_matrix_init(ctx, &m, &tile, degree, 1, many, NULL), KN_ELIMIT);
+    assert_int_equal(kn_compose_matrix_init(ctx, &m, &tile, negative, 1, rows, NULL), KN_EDOMAIN);
+    assert_int_equal(kn_compose_matrix_init(ctx, &m, &tile, degree, -1, rows, NULL), KN_EDOMAIN);
+    assert_int_equal(kn_compose_matrix_init(ctx, &m, &tile, degree, 1000000000, rows, NULL), KN_ELIMIT);
     other.ncomp = 4, other.rational = true;
-    assert_int_equal(kn_compose_matrix_init(ctx, &m, &other, degree, 1, rows), KN_EDOMAIN);
+    assert_int_equal(kn_compose_matrix_init(ctx, &m, &other, degree, 1, rows, NULL), KN_EDOMAIN);
     other = tile, other.nvars = 4;
-    assert_int_equal(kn_compose_matrix_init(ctx, &m, &other, degree, 1, rows), KN_EDOMAIN);
+    assert_int_equal(kn_compose_matrix_init(ctx, &m, &other, degree, 1, rows, NULL), KN_EDOMAIN);
     assert_true(m.rows == 7 && !m.m);
     kn_compose_matrix_clear(ctx, NULL);
     test_ctx_end(ctx, &memory);
@@ -278,7 +279,7 @@ static kn_status matrix_call(kn_ctx *ctx, void *user)
     const int degree[2] = {1, 1}, rows[2] = {3, 3};
     kn_bezier tile = {.nvars = 2, .ncomp = 3, .degree = {1, 1}, .coef = c};
     kn_compose_matrix m = {0};
-    kn_status status = kn_compose_matrix_init(ctx, &m, &tile, degree, 1, rows);
+    kn_status status = kn_compose_matrix_init(ctx, &m, &tile, degree, 1, rows, NULL);
     assert_true((status == KN_OK) == (m.m != NULL));
     kn_compose_matrix_clear(ctx, &m);
     return status;

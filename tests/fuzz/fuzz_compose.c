@@ -52,7 +52,7 @@ static kn_status tile_patches(feed *f, int call, operands *o)
         kn_compose_matrix matrix;
         for (int d = 0; d < 2; d++)
             if (rows[d] > MOST_SUM && rows[d] <= KN_MAX_DEGREE) return KN_OK;
-        kn_status status = kn_compose_matrix_init(f->ctx, &matrix, &o->a, degree, power, rows);
+        kn_status status = kn_compose_matrix_init(f->ctx, &matrix, &o->a, degree, power, rows, NULL);
         if (status == KN_OK) kn_compose_matrix_clear(f->ctx, &matrix);
         return status;
     }

@@ -329,14 +329,14 @@ static void memory_is_bounded(void **state)
     test_memory memory = TEST_MEMORY_INIT, others = TEST_MEMORY_INIT;
     kn_ctx *ctx = test_ctx(&memory, 2), *other = test_ctx(&others, 2);
     kn_status status;
-    kn_job *job = small_job(ctx, 32, 16, &status);
+    kn_job *job = small_job(ctx, 64, 16, &status);
     assert_int_equal(status, KN_OK);
     size_t count = 0;
     kn_sink sink = {.user = &count, .commit = count_commit};
     assert_int_equal(kn_job_run(other, job, &sink, 1), KN_OK); // counts what the run alone takes
-    assert_int_equal(count, 16384);
-    // At most five blocks of 2^18 numbers, with a tenth as much for the rest, and not the 25 MB of all patches.
-    assert_int_equal(kn_job_describe(job).control_points, (size_t)16384 * 64);
+    assert_int_equal(count, 65536);
+    // At most five blocks of 2^18 numbers, with a tenth as much for the rest, and not the 39 MB of all patches.
+    assert_int_equal(kn_job_describe(job).control_points, (size_t)65536 * 25);
     assert_true(kn_ctx_counters(other).peak_bytes < 5 * 11 * ((size_t)1 << 18) * sizeof(double) / 10 + 1000000);
     kn_job_destroy(ctx, job);
     test_ctx_end(ctx, &memory);
