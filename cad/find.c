@@ -30,6 +30,14 @@ static char small(char c)
     return c >= 'A' && c <= 'Z' ? (char)(c - 'A' + 'a') : c;
 }
 
+// Behind the first character of a name, of one byte or, in UTF-8, of several.
+static const char *behind_one(const char *name)
+{
+    do name++;
+    while (((unsigned char)*name & 0xc0) == 0x80);
+    return name;
+}
+
 // Goes back to the last '*' where the text behind it does not agree.
 static bool like(part pattern, const char *name)
 {
@@ -39,12 +47,15 @@ static bool like(part pattern, const char *name)
         if (i < pattern.n && pattern.at[i] == '*') {
             star = i++;
             mark = name;
-        } else if (i < pattern.n && (pattern.at[i] == '?' || small(pattern.at[i]) == small(*name))) {
+        } else if (i < pattern.n && pattern.at[i] == '?') {
+            i++;
+            name = behind_one(name);
+        } else if (i < pattern.n && small(pattern.at[i]) == small(*name)) {
             i++;
             name++;
         } else if (star != SIZE_MAX) {
             i = star + 1;
-            name = ++mark;
+            name = mark = behind_one(mark);
         } else {
             return false;
         }

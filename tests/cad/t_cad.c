@@ -405,6 +405,9 @@ static void faces_by_text(void **state)
     not_found(&s, "color:#123456", "#000000, #ff0000"), not_found(&s, "color:red", "expected");
     not_found(&s, "near:1,2", "expected"), not_found(&s, "near:1,2,x", "expected");
     not_found(&s, "name:top&name:back", "none with all");
+    strcpy(s.cad.faces[4].name, "L\xc3\xa4nge\xe2\x82\xac"); // a character of two bytes, one of three
+    found(&s, "name:L?nge?", 16), found(&s, "name:*?nge?", 16), found(&s, "name:l\xc3\xa4*?", 16);
+    not_found(&s, "name:L??nge*", "none with name"), not_found(&s, "name:*e??", "none with name");
     kn_cad none = {0};
     int *faces = NULL, n = 0;
     assert_int_equal(kn_cad_find(s.ctx, &faces, &n, &none, "0"), KN_EDOMAIN);
