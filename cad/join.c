@@ -118,6 +118,12 @@ static void unite_seams(joining *j)
             j->corner[x > y ? x : y] = x > y ? y : x;
         }
     }
+    for (int d = 0; d < 2 * j->n; d++) { // parents come first: from now on every parent is a root
+        int parent = j->parent[d];
+        if (parent == d) continue;
+        j->turned[d] ^= j->turned[parent];
+        j->parent[d] = j->parent[parent];
+    }
 }
 
 // ---- turns ----

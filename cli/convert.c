@@ -58,6 +58,11 @@ static bool add_output(request *r, const char *path)
         cli_error("-o: no writer for '%s'; endings: %s", path, cli_writable_endings());
         return false;
     }
+    for (int i = 0; i < r->nout; i++)
+        if (strcmp(r->out[i], path) == 0) {
+            cli_error("-o: '%s' is given twice", path);
+            return false;
+        }
     r->out[r->nout++] = path;
     return true;
 }

@@ -10,11 +10,11 @@
 extern "C" {
 #endif
 
-// Sinks for kn_job_run and kn_model_run, as those of io.h: a new file beside path gets the name when the job has ended;
-// the same bytes for any number of threads; memory is that of the blocks in flight; runs can be noted and gone on
-// with. A patch is one piece or a spline (kn_patch_spline) and goes out as it is: numbers are the shortest that read
-// back as the same doubles. Reversed surfaces and volumes have their first two variables swapped, so that r x t looks
-// outside and volumes are right-handed.
+// Sinks for kn_job_run and kn_stream_model, as those of io.h: a new file beside path gets the name when the job has
+// ended; the same bytes for any number of threads; memory is that of the blocks in flight; runs can be noted and
+// gone on with. A patch is one piece or a spline (kn_patch_spline) and goes out as it is: numbers are the shortest
+// that read back as the same doubles. Reversed surfaces and volumes have their first two variables swapped, so that
+// r x t looks outside and volumes are right-handed.
 // fails:  KN_EDOMAIN also for kinds of patches that a format does not hold, control points that are not finite, and
 //         weights that are not positive; all before anything is written where the job's report tells.
 

@@ -182,6 +182,8 @@ static void what_is_refused(void **state)
     assert_int_equal(run("convert"), 2);
     assert_int_equal(run("convert %s", teapot), 2);
     assert_int_equal(run("convert %s %s -o %s", teapot, teapot, out), 2);
+    assert_int_equal(run("convert %s -o %s -o %s", teapot, out, out), 2);
+    assert_non_null(strstr(complained, "is given twice"));
     assert_int_equal(run("convert %s -o out.foo", teapot), 2);
     assert_non_null(strstr(complained, "no writer for 'out.foo'"));
     assert_int_equal(run("convert %s -o %s --max-degree 2.5", teapot, out), 2);
