@@ -8,6 +8,7 @@
 #include <Message.hxx>
 #include <Message_Messenger.hxx>
 #include <Standard_Failure.hxx>
+#include <Standard_OutOfMemory.hxx>
 
 #include <knurl/base.h>
 extern "C" {
@@ -54,6 +55,8 @@ template <class F> kn_status guarded(kn_ctx *ctx, const char *what, F f)
     } catch (const failed &failure) {
         return failure.status;
     } catch (const std::bad_alloc &) {
+        return kn_fail(ctx, KN_ENOMEM, "%s: out of memory", what);
+    } catch (const Standard_OutOfMemory &) {
         return kn_fail(ctx, KN_ENOMEM, "%s: out of memory", what);
     } catch (const Standard_Failure &failure) {
         const char *text = failure.GetMessageString();

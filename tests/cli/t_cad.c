@@ -212,6 +212,14 @@ static void no_reader(void **state)
     assert_int_not_equal(code, 0);
     assert_said("needs knurl-cad");
     assert_one_line_about(knob);
+#if !defined(__SANITIZE_ADDRESS__) // under which it does not limit itself
+    assert_int_equal(setenv("KNURL_CAD_BYTES", "1000000", 1), 0);
+    code = run("info '%s'", knob);
+    assert_int_equal(unsetenv("KNURL_CAD_BYTES"), 0);
+    assert_int_not_equal(code, 0);
+    assert_null(strstr(complained, "malloc")); // in words of ours
+    assert_one_line_about(knob);
+#endif
 }
 
 #if KN_WITH_ZLIB
