@@ -54,8 +54,8 @@ typedef struct kn_limit_edge {
 kn_status kn_limit_put_edges(kn_ctx *ctx, double *coef, size_t ncomp, const kn_limit_axis axis[2],
                              const kn_limit_edge edges[4]);
 
-// The row of control points, one component of an edge, on the spans of `to`, in the surface's direction. KN_ENOMEM.
-kn_status kn_limit_edge_row(kn_ctx *ctx, double *row, const double *coef, const kn_limit_edge *edge,
+// line = the control points, one component of an edge, on the spans of `to`, in the surface's direction. KN_ENOMEM.
+kn_status kn_limit_edge_row(kn_ctx *ctx, double *line, const double *coef, const kn_limit_edge *edge,
                             const kn_limit_axis *to);
 // What an edge asks for by itself: limits are narrowed to a part of its size. *size: the largest distance of a control
 // point from the first; 0 where that is next to nothing.
