@@ -50,7 +50,7 @@ endif
 OPT := $(OPT_$(config))
 ALL_CFLAGS = $(WARN_C) $(COMMON) $(OPT) $(CPP) $(CFLAGS)
 ALL_CXXFLAGS = $(WARN_CXX) $(COMMON) $(OPT) $(CPP) $(CXXFLAGS)
-ALL_LDFLAGS = $(OPT) -pthread $(LDFLAGS)
+ALL_LDFLAGS = $(OPT) -pthread -Wl,--as-needed $(LDFLAGS) # else knurl loads, at each start, what its bridges might use
 LIBS := -lm
 
 # ---- optional libraries, all in one place: a header that tells whether it is there, flags, what to link ----
@@ -140,6 +140,9 @@ $(call noted,flags,'$(CC) $(CXX) $(ALL_CFLAGS) $(ALL_CXXFLAGS) $(WITH)')
 $(B)/obj/cli/%.o $(B)/obj/tests/%.o: CPP += $(WITH)
 $(B)/obj/bridges/occt/%.o $(B)/obj/tests/bridges/%.o: CPP += $(CPP_occt)
 $(B)/obj/bridges/lib3mf/%.o: CPP += $(CPP_lib3mf)
+ifneq ($(config),debug)
+$(B)/obj/%.cpp.o: OPT += -g1 # a quarter of the time goes into what debuggers know of OCCT's templates
+endif
 $(B)/obj/%_avx2.c.o: OPT += -mavx2
 $(patsubst %,$(B)/obj/kernel/eval_%.c.o,sse2 vector wide): OPT += -fno-tree-vectorize # they are vectors already
 $(B)/obj/%_avx512.c.o: OPT += -mavx512f -mavx512dq -mavx512vl

@@ -337,7 +337,7 @@ static void scales_on_waves(void **state)
     test_rng rng = test_random(10);
     kn_spline waves = {0};
     make_waves(ctx, &waves);
-    for (int trial = 0; trial < 4; trial++) {
+    for (int trial = 0; trial < test_cases(4); trial++) {
         kn_tile tile = {0};
         kn_job *job = NULL;
         make_scale(ctx, &tile, trial % 2 == 0 ? 0.0 : 0.4);
@@ -474,7 +474,7 @@ static void volumes(void **state)
     test_memory memory = TEST_MEMORY_INIT;
     kn_ctx *ctx = test_ctx(&memory, 2);
     test_rng rng = test_random(14);
-    for (int trial = 0; trial < 2; trial++) {
+    for (int trial = 0; trial < test_cases(2); trial++) {
         kn_spline base = {0}, up = {0}, box = {0};
         kn_tile tile = {0};
         kn_job *job = NULL;

@@ -48,6 +48,12 @@ int test_scale(int n)
     return scaled < 1.0 ? 1 : scaled > 1e9 ? 1000000000 : (int)scaled;
 }
 
+int test_cases(int n)
+{
+    int scaled = test_scale(n);
+    return scaled < n ? scaled : n;
+}
+
 double test_max_difference(const double *a, const double *b, size_t n)
 {
     double most = 0.0;

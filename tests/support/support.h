@@ -79,6 +79,9 @@ int test_int(test_rng *rng, int lo, int hi); // lo <= result <= hi
 
 // n times KN_TEST_SCALE, at least 1.
 int test_scale(int n);
+// Of n cases the first test_scale(n), n at most: fewer where the sanitizers look at the paths and other builds at the
+// values.
+int test_cases(int n);
 
 // ---- shapes: *out is overwritten; clear it. Coefficients are integers in [-bound, bound], weights in [1, bound]
 // ----
