@@ -284,12 +284,80 @@ static void allocation_failures(void **state)
     test_allocation_failures(starved, NULL);
 }
 
+static kn_brep_key number_key(double x)
+{
+    return kn_brep_mix((kn_brep_key){1, 2}, x);
+}
+
+// A ring of n edges of one face, from vertex to vertex.
+static void make_ring(kn_brep_edge *edges, int n, double first)
+{
+    for (int i = 0; i < n; i++) {
+        edges[i] = (kn_brep_edge){.key = number_key(first + i), .forward = true};
+        edges[i].vertex[0] = number_key(-1 - i), edges[i].vertex[1] = number_key(-1 - (i + 1) % n);
+    }
+}
+
+// An edge that one face uses three times: a seam, and one that waits. Too many points: a face by itself. Vertices that an
+// edge of the same key has not: other names, and nothing worse.
+static void one_face(void **state)
+{
+    (void)state;
+    enum { N = 200 };
+    test_memory memory = TEST_MEMORY_INIT;
+    kn_ctx *ctx = test_ctx(&memory, 1);
+    kn_brep *b = NULL;
+    kn_brep_edge edges[N];
+    kn_brep_name names[N];
+    kn_brep_key pairs[KN_BREP_PAIRS][2];
+    uint64_t next = 1;
+    int closed;
+    bool odd;
+    assert_int_equal(kn_brep_create(ctx, &b), KN_OK);
+    make_ring(edges, N, 0.0);
+    edges[7].key = edges[100].key = edges[3].key;
+    edges[7].forward = false;
+    assert_int_equal(kn_brep_add(ctx, b, edges, N, NULL, 0, &next, names), KN_OK);
+    assert_int_equal(next, 1 + N + 2 * (N - 1)); // vertices, and edges but the seam's second use
+    assert_true(names[3].seam && names[3].last && names[3].new_edge && !names[7].new_edge);
+    assert_int_equal(names[7].edge, names[3].edge);
+    assert_true(names[100].new_edge && !names[100].last && names[100].edge != names[3].edge);
+    assert_int_equal(kn_brep_end_face(ctx, b, next++, 0, &closed), KN_OK);
+    assert_int_equal(closed, KN_BREP_NONE);
+    int at = KN_BREP_NONE;
+    assert_true(kn_brep_next_body(b, &at));
+    assert_int_equal(kn_brep_waiting(b, at, &odd), N - 2);
+    assert_false(odd);
+    // the same edges between other vertices
+    for (int i = 0; i < N; i++) edges[i].forward = !edges[i].forward, edges[i].vertex[0] = number_key(1000 + i);
+    assert_int_equal(kn_brep_add(ctx, b, edges, N, NULL, 0, &next, names), KN_OK);
+    assert_int_equal(kn_brep_end_face(ctx, b, next++, 0, &closed), KN_OK);
+    // more pairs than are read: all names are new, the last number that of the last edge
+    make_ring(edges, N, 5000.0);
+    for (int i = 0; i < KN_BREP_PAIRS; i++) pairs[i][0] = edges[i].vertex[0], pairs[i][1] = number_key(9000 + i);
+    uint64_t before = next;
+    assert_int_equal(kn_brep_add(ctx, b, edges, N, (const kn_brep_key(*)[2])pairs, KN_BREP_PAIRS + 1, &next, names),
+                     KN_OK);
+    assert_int_equal(next, before + 3 * N);
+    for (int i = 0; i < N; i++) {
+        assert_true(names[i].new_edge && names[i].last);
+        assert_int_equal(names[i].edge, before + N + 2 * (uint64_t)i + 1);
+        assert_int_equal(names[i].vertex[1], names[(i + 1) % N].vertex[0]);
+    }
+    kn_brep_destroy(ctx, b);
+    test_ctx_end(ctx, &memory);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(known_topology), cmocka_unit_test(memory_follows_the_front),
-        cmocka_unit_test(lists_of_faces), cmocka_unit_test(odd_ones),
-        cmocka_unit_test(journals),       cmocka_unit_test(allocation_failures),
+        cmocka_unit_test(one_face),
+        cmocka_unit_test(known_topology),
+        cmocka_unit_test(memory_follows_the_front),
+        cmocka_unit_test(lists_of_faces),
+        cmocka_unit_test(odd_ones),
+        cmocka_unit_test(journals),
+        cmocka_unit_test(allocation_failures),
     };
     return cmocka_run_group_tests_name("io/brep", tests, NULL, NULL);
 }
