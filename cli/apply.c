@@ -191,6 +191,23 @@ static void warn_of_receivers(cli_session *session, const cli_apply *a, const kn
         }
 }
 
+// Options that mean nothing for this base and these files.
+static void warn_of_idle_options(cli_session *session, const cli_apply *a, const cli_base *base)
+{
+    const cli_job *job = &a->recipe.layer[0];
+    bool step = a->recipe.noutputs == 0; // a dry run
+    for (int i = 0; i < a->recipe.noutputs; i++) {
+        const char *path = a->recipe.outputs[i];
+        step = step || cli_has_ending(path, "step") || cli_has_ending(path, "stp") || cli_has_ending(path, "stpz");
+    }
+    if (job->step != KN_STEP_AP214 && !step) cli_warn(session, "--step: no STEP file is written");
+    if (base->cad.nfaces > 0) return;
+    if (job->join_angle > 0.0)
+        cli_warn(session, "--join-angle: %s is no CAD file, none of its surfaces are joined", job->base);
+    if (job->options.trimmed != KN_TRIMMED_KEEP)
+        cli_warn(session, "--trimmed: %s is no CAD file, none of its surfaces are trimmed", job->base);
+}
+
 // What is wrong with a journal is said with its path.
 static int fail_on_run(cli_session *session, kn_status status, const cli_apply *a)
 {
@@ -252,6 +269,7 @@ static int work(cli_session *session, cli_apply *a)
     int code = cli_inputs_begin(session, &inputs, &a->recipe);
     timing.read = cli_seconds() - began;
     began = cli_seconds();
+    if (code == EXIT_OK) warn_of_idle_options(session, a, &inputs.base);
     if (code == EXIT_OK) code = cli_plan_begin(session, &plan, &a->recipe, &inputs);
     timing.plan = cli_seconds() - began;
     if (code == EXIT_OK && !a->dry_run) code = cli_body_begin(session, &body, a, &plan, &inputs);

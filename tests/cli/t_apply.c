@@ -253,13 +253,34 @@ static void limits_of_cad_files(void **state)
     remove(step), remove(stl);
 }
 
+// What an option says that means nothing here.
+static void idle_options(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *option, *said; // NULL: nothing
+    } cases[] = {{"", NULL},
+                 {"--step ap242", "--step: no STEP file is written"},
+                 {"--join-angle 10", "--join-angle: data/teapot.bpt is no CAD file"},
+                 {"--trimmed clip", "--trimmed: data/teapot.bpt is no CAD file"}};
+    char stl[PATH_BYTES];
+    test_tmp_path(stl, "idle.stl");
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        assert_int_equal(
+            run("apply data/teapot.bpt --faces 20 --tile straight --count 2,2 %s -o '%s'", cases[i].option, stl), 0);
+        if (cases[i].said) assert_non_null(strstr(complained, cases[i].said));
+        if (!cases[i].said) assert_null(strstr(complained, "--"));
+    }
+    remove(stl);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(lengths_have_units),   cmocka_unit_test(both_normals),
         cmocka_unit_test(sides_and_fields),     cmocka_unit_test(fields_that_do_not_fit),
         cmocka_unit_test(limits_of_cad_files),  cmocka_unit_test(cells_are_reported),
-        cmocka_unit_test(the_same_in_a_recipe),
+        cmocka_unit_test(the_same_in_a_recipe), cmocka_unit_test(idle_options),
     };
     return cmocka_run_group_tests_name("cli/apply", tests, NULL, NULL);
 }
