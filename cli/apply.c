@@ -229,13 +229,19 @@ static void warn_of_curves(cli_session *session, const cli_apply *a, const kn_jo
     }
 }
 
+// Whether a file is for CAD; so is what is only asked about.
+static bool has_cad(const cli_apply *a)
+{
+    bool cad = a->recipe.noutputs == 0;
+    for (int i = 0; i < a->recipe.noutputs; i++) cad = cad || cli_writes_cad(a->recipe.outputs[i]);
+    return cad;
+}
+
 // What the files will be, before anything is written.
 static kn_status estimate(kn_ctx *ctx, const cli_apply *a, const cli_plan *plan, cli_fit *fit, double *bytes)
 {
     kn_job_report limited = plan->report;
-    bool cad = a->recipe.noutputs == 0;
-    for (int i = 0; i < a->recipe.noutputs; i++) cad = cad || cli_writes_cad(a->recipe.outputs[i]);
-    kn_status status = cad ? cli_estimate_fit(ctx, fit, plan, &a->recipe.layer[0]) : KN_OK;
+    kn_status status = has_cad(a) ? cli_estimate_fit(ctx, fit, plan, &a->recipe.layer[0]) : KN_OK;
     if (status == KN_OK && fit->sum.limited > 0) limited.control_points = fit->sum.control_points;
     for (int i = 0; i < a->recipe.noutputs && status == KN_OK; i++)
         bytes[i] = cli_estimate_bytes(a->recipe.outputs[i],
@@ -266,6 +272,8 @@ static int work(cli_session *session, cli_apply *a)
     cli_body_run body = {.mode = CLI_BODY_NONE};
     cli_timing timing = {0};
     double began = cli_seconds();
+    bool cad = has_cad(a);
+    for (int i = 0; i < a->recipe.nlayers; i++) a->recipe.layer[i].options.equal_edges = cad;
     int code = cli_inputs_begin(session, &inputs, &a->recipe);
     timing.read = cli_seconds() - began;
     began = cli_seconds();

@@ -124,7 +124,9 @@ static void print_json(const cli_apply *a, const cli_plan *plan, const cli_fit *
                        const double *bytes, const cli_timing *t, size_t peak_bytes)
 {
     const kn_job_report *r = &plan->report;
-    // stand_in.tolerance: a stand-in and n may each be off by it in length and in angle, at the tile's height.
+    // stand_in.tolerance: a stand-in and n may each be off by it in length and in angle, at the tile's height; patches
+    // that meet instead by four times that.
+    double meeting = a->recipe.layer[0].options.equal_edges ? 4.0 : 1.0;
     json_t *o = json_object();
     json_object_set_new(o, "base", cli_json_text(a->recipe.layer[0].base));
     json_object_set_new(o, "tile", cli_json_text(a->recipe.layer[0].tile));
@@ -147,8 +149,9 @@ static void print_json(const cli_apply *a, const cli_plan *plan, const cli_fit *
     json_object_set_new(o, "height", cli_json_number(r->height));
     json_object_set_new(o, "normal", normal_json(&a->recipe.layer[0].options, r));
     json_object_set_new(o, "stand_in",
-                        json_pack("{s:o,s:o}", "tolerance", cli_json_number(4 * r->normal_tol * fabs(r->height)),
-                                  "certified_error", cli_json_upper(r->stand_in_error)));
+                        json_pack("{s:o,s:o}", "tolerance",
+                                  cli_json_number(meeting * 4 * r->normal_tol * fabs(r->height)), "certified_error",
+                                  cli_json_upper(r->stand_in_error)));
     json_object_set_new(o, "fit", cli_fit_json(fit));
     json_object_set_new(o, "body", cli_body_json(body));
     json_object_set_new(o, "crossing_error", cli_json_upper(r->crossing_error));

@@ -10,7 +10,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const double near = 1e-11; // what lent coefficients may differ by: relative to S's size, and to n
+static const double near = 1e-11;         // what lent coefficients may differ by: relative to S's size, and to n
+static const size_t most_meeting = 20000; // patches of a family that interpolates: a minute or less
 
 static int root_of(const int *parent, int i)
 {
@@ -59,7 +60,8 @@ static smoothness smoothness_of(const kn_spline *n, int v)
     const double *t = n->knots[v];
     int p = n->degree[v];
     for (int i = p + 1, times; i < n->count[v]; i += times) {
-        for (times = 1; t[i + times] == t[i]; times++) {}
+        for (times = 1; t[i + times] == t[i]; times++) {
+        }
         if (times < p) return JOINED;
     }
     return n->count[v] > p + 1 ? APART : NO_LINES;
@@ -109,6 +111,72 @@ kn_status kn_job_even_degrees(kn_ctx *ctx, kn_job_evened *of, bool *again, const
     }
     kn_scratch_release(ctx, mark);
     return KN_OK;
+}
+
+// ---- surfaces whose patches interpolate ----
+
+bool kn_job_meets(const kn_job *job, int surface, int edge)
+{
+    const kn_job_surface *s = &job->surfaces[surface];
+    const kn_job_partner *p = &s->partner[edge];
+    return p->edge >= 0 && p->goes_on && p->single && !kn_job_turns_over(edge, p) && !s->closed[edge >> 1];
+}
+
+static int corner_at(int surface, int edge, int end);
+
+// The patches of all surfaces that hang together have to meet, where n is not one polynomial over each cell of one of
+// them; but not of rational ones, nor where there are too many.
+static void find_families(kn_job *job, int *family, size_t *patches, bool *torn)
+{
+    int n = job->nsurfaces;
+    for (int s = 0; s < n; s++) family[s] = s, patches[s] = 0, torn[s] = false;
+    for (int s = 0; s < n; s++)
+        for (int e = 0; e < 4; e++)
+            if (kn_job_meets(job, s, e)) unite(family, s, job->surfaces[s].partner[e].edge / 4);
+    for (int s = 0; s < n; s++) {
+        const kn_job_surface *to = &job->surfaces[s];
+        int r = root_of(family, s);
+        bool can = kn_job_components(to) == 3 && kn_shell_normal(to->shell)->coef;
+        patches[r] += can ? (size_t)to->cells[0] * (size_t)to->cells[1] * (size_t)job->npatches : most_meeting + 1;
+        torn[r] = torn[r] || !has_whole_cells(to);
+    }
+    for (int s = 0; s < n; s++) {
+        int r = root_of(family, s);
+        job->surfaces[s].meets = torn[r] && patches[r] <= most_meeting;
+    }
+}
+
+kn_status kn_job_find_meeting(kn_ctx *ctx, kn_job *job)
+{
+    size_t n = (size_t)job->nsurfaces;
+    bool can = job->options.equal_edges && !job->has_fields;
+    for (int k = 0; k < job->npatches; k++) can = can && job->patches[k].d.nvars == 2;
+    if (!can) return KN_OK;
+    kn_mark mark = kn_scratch_mark(ctx);
+    int *family = kn_scratch(ctx, n, sizeof *family), *corner = kn_scratch(ctx, 4 * n, sizeof *corner);
+    size_t *patches = kn_scratch(ctx, n, sizeof *patches);
+    bool *torn = kn_scratch(ctx, n, sizeof *torn);
+    kn_status status = family && corner && patches && torn ? KN_OK : KN_ENOMEM;
+    if (status == KN_OK) find_families(job, family, patches, torn);
+    for (int i = 0; i < 4 * (int)n && status == KN_OK; i++) corner[i] = i;
+    for (int i = 0; i < 4 * (int)n && status == KN_OK; i++) {
+        kn_job_surface *s = &job->surfaces[i / 4];
+        kn_shell_edge edge[2][2];
+        int e = i % 4;
+        const kn_job_partner *p = &s->partner[e];
+        kn_shell_edges(s->shell, edge);
+        s->pole[e] = edge[e >> 1][e & 1].kind == KN_EDGE_POLE;
+        if (s->pole[e]) unite(corner, corner_at(i / 4, e, 0), corner_at(i / 4, e, 1));
+        for (int end = 0; end < 2; end++) {
+            int here = corner_at(i / 4, e, end);
+            if (s->closed[e >> 1]) unite(corner, here, corner_at(i / 4, e ^ 1, end));
+            if (kn_job_meets(job, i / 4, e))
+                unite(corner, here, corner_at(p->edge / 4, p->edge % 4, p->reversed ? 1 - end : end));
+        }
+    }
+    for (int i = 0; i < 4 * (int)n && status == KN_OK; i++) job->surfaces[i / 4].joint[i % 4] = root_of(corner, i);
+    kn_scratch_release(ctx, mark);
+    return status;
 }
 
 // ---- rows of coefficients ----

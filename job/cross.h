@@ -68,6 +68,8 @@ kn_status kn_cross_cut(kn_ctx *ctx, kn_trim *below, kn_trim *rest, kn_trim_cut_r
 kn_status kn_cross_cut_by(kn_ctx *ctx, kn_trim *below, kn_trim *above, kn_trim_cut_report *report,
                           const kn_crossing *x, const kn_trim *region, const double line[3], double delta);
 // ---- cross_fit.c ----
+// Chebyshev's extreme points in [0,1], symmetric and with both ends.
+double kn_cross_site(int k, int degree);
 kn_status kn_cross_fit(kn_ctx *ctx, bool *crossed, kn_crossing *x);
 
 #endif

@@ -51,8 +51,7 @@ static kn_status value_at(kn_ctx *ctx, double out[3], const kn_crossing *x, cons
     return status;
 }
 
-// Chebyshev's extreme points in [0,1], symmetric and with both ends.
-static double site(int k, int degree)
+double kn_cross_site(int k, int degree)
 {
     if (2 * k == degree) return 0.5;
     double x = 0.5 - 0.5 * cos(3.14159265358979323846 * (2 * k < degree ? k : degree - k) / degree);
@@ -71,7 +70,7 @@ static kn_status interpolate(kn_ctx *ctx, fitting *f, int degree)
     double *values = kn_scratch(ctx, 3 * n, sizeof *values);
     kn_status status = values ? KN_OK : KN_ENOMEM;
     for (int k = 0; k < count; k++) {
-        sites[k] = site(k, degree);
+        sites[k] = kn_cross_site(k, degree);
         line[k] = 0.0, line[count + k] = 1.0;
     }
     for (size_t k = 0; status == KN_OK && k < n; k++) {

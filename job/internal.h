@@ -96,6 +96,9 @@ typedef struct kn_job_surface {
     int corner[4];      // 4 surface + corner, whose coefficients are borrowed; -1: none are
     size_t first_term;  // of job->terms: those of all surfaces whose edges are shared, which whole cells compose for
     int nterms;         // 0: their own alone
+    bool meets;         // patches of its cells interpolate (kn_job_meet)
+    int joint[4];       // where it does: of all corners of surfaces in one place the first, 4 surface + corner
+    bool pole[4];       // and edges that are one point with one normal
     int tile_degree;    // the largest of the tile's patches
     double jacobian[2]; // bounds
 } kn_job_surface;
@@ -268,6 +271,10 @@ kn_status kn_job_share_edges(kn_ctx *ctx, kn_job *job);
 // without coefficients, and stand-ins, nothing changes.
 kn_status kn_job_borrow(kn_ctx *ctx, const kn_job *job, int surface, const int cell[2], kn_shell_piece *piece);
 bool kn_job_borrows(const kn_job *job, int surface, const int cell[2]);
+// meets, joint and pole of all surfaces.
+kn_status kn_job_find_meeting(kn_ctx *ctx, kn_job *job);
+// Whether a surface's patches meet those of another one over an edge, where these surfaces do.
+bool kn_job_meets(const kn_job *job, int surface, int edge);
 
 // ---- least.c ----
 // job->least, so that patches which share an edge have one degree along it.
@@ -415,6 +422,12 @@ const kn_job_patch *kn_job_leaf_patch(const kn_job_cell_plan *plan, const kn_job
 void kn_job_leaf_degree(const kn_job_leaf *leaf, int degree[KN_JOB_VARS]);
 // D of a leaf in the coordinates of its piece's box, [0,1]^2, in which the piece is a function.
 kn_status kn_job_leaf_source(kn_ctx *ctx, kn_bezier *out, const kn_job_cell_plan *plan, const kn_job_leaf *leaf);
+
+// ---- meet.c ----
+// One leaf that interpolates in place of plan->leaves[first ..], those of a patch in the cell at `place`, which have
+// their pieces with coefficients; where its error would be too large they stay.
+kn_status kn_job_meet(kn_ctx *ctx, kn_job_cell_plan *plan, const kn_job_leaf *leaf, const kn_job_place *place,
+                      int first);
 
 // ---- plan_cell.c ----
 typedef struct kn_job_instance kn_job_instance;

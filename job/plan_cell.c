@@ -214,7 +214,7 @@ static kn_status plan_rect(kn_ctx *ctx, kn_job_cell_plan *plan, const kn_job_lea
     return status;
 }
 
-static kn_status plan_patch(kn_ctx *ctx, kn_job_cell_plan *plan, int patch, bool own, int instance)
+static kn_status plan_parts(kn_ctx *ctx, kn_job_cell_plan *plan, int patch, bool own, int instance)
 {
     static const double zero[2] = {0.0, 0.0}, one[2] = {1.0, 1.0};
     kn_job_leaf leaf = {.key = {.patch = patch}, .own = own, .instance = instance, .piece = -1};
@@ -244,6 +244,23 @@ static kn_status plan_patch(kn_ctx *ctx, kn_job_cell_plan *plan, int patch, bool
         status = plan_rect(ctx, plan, &leaf, &place);
     }
     kn_bezier_clear(ctx, &d);
+    return status;
+}
+
+// As one patch that meets its neighbours, where n has knots in cells.
+static kn_status plan_patch(kn_ctx *ctx, kn_job_cell_plan *plan, int patch, bool own, int instance)
+{
+    kn_job_leaf leaf = {.key = {.patch = patch}, .own = own, .instance = instance, .piece = -1};
+    const kn_job_patch *p = kn_job_leaf_patch(plan, &leaf);
+    kn_job_place place = kn_job_find_place(plan->job, plan->surface, plan->cell, p->offset);
+    bool meets = plan->job->surfaces[place.surface].meets && p->inside && !kn_job_clips_trims(plan->job);
+    bool outline = plan->pieces.outline;
+    int first = plan->count;
+    leaf.key.turn = (uint8_t)place.turn;
+    if (meets) plan->pieces.outline = false;
+    kn_status status = plan_parts(ctx, plan, patch, own, instance);
+    if (status == KN_OK && meets) status = kn_job_meet(ctx, plan, &leaf, &place, first);
+    plan->pieces.outline = outline;
     return status;
 }
 

@@ -67,8 +67,8 @@ static kn_status fit_degrees(kn_ctx *ctx, kn_job *job, const kn_job_bases *bases
 typedef struct shells {
     kn_job *job;
     const kn_job_bases *bases;
-    double w[2];  // the heights that the tile occupies
-    bool touches; // it reaches the border of its cell: tiles side by side join there
+    double w[2];           // the heights that the tile occupies
+    bool touches;          // it reaches the border of its cell: tiles side by side join there
     kn_job_evened *evened; // which are made again, and how; NULL: all are, for the first time
 } shells;
 
@@ -176,7 +176,8 @@ static kn_status make_even(kn_ctx *ctx, shells *all)
     }
     kn_free(ctx, evened);
     all->evened = NULL;
-    return status == KN_OK ? kn_job_share_edges(ctx, all->job) : status;
+    if (status == KN_OK) status = kn_job_share_edges(ctx, all->job);
+    return status == KN_OK ? kn_job_find_meeting(ctx, all->job) : status;
 }
 
 // Whether tiles may go on over an edge at which w turns over.

@@ -57,7 +57,8 @@ uint64_t kn_job_identity(const kn_job *job, uint64_t own)
     uint64_t h = own;
     const double numbers[] = {o->height, o->offset, o->normal_tol, o->taper, o->crossing_tol, o->mesh_tol};
     take_numbers(&h, numbers, sizeof numbers / sizeof *numbers);
-    take(&h, (uint64_t)o->side << 32 | (uint64_t)o->normal << 16 | (uint64_t)o->crossing << 8 | o->symbolic);
+    take(&h, (uint64_t)o->side << 32 | (uint64_t)o->normal << 16 | (uint64_t)o->crossing << 8 |
+                 (uint64_t)o->equal_edges << 1 | o->symbolic);
     take(&h, (uint64_t)job->segments << 8 | (uint64_t)o->trimmed);
     if (job->borders) take_borders(&h, job->borders);
     for (int s = 0; s < job->nsurfaces; s++) take_surface(&h, &job->surfaces[s]);

@@ -202,6 +202,12 @@ typedef struct kn_job_options {
     int max_degree;      // of a composed patch in one variable; 0: 25 (what OCCT reads); at most KN_MAX_DEGREE
     double mesh_tol;     // chord height of tessellations, length units; 0: 1/100 of the mean cell size
     bool symbolic;       // compose each cell symbolically (the reference) instead of by matrix
+    // Patches over cells for which no polynomial of the degrees that there is room for is n interpolate T(D), with
+    // N/|N| itself, in max_degree, so that edges are the same on both sides bit for bit (stand_in_error bounds that).
+    // On polynomial surfaces without fields, tiles of surfaces alone that stay in their cells and are not cut by
+    // trims, up to 20,000 patches on surfaces that hang together; elsewhere, and of false, patches over such cells
+    // have stand-ins for n, each its own.
+    bool equal_edges;
 } kn_job_options;
 KN_API kn_job_options kn_job_defaults(void);
 

@@ -1,0 +1,308 @@
+// SPDX-License-Identifier: Apache-2.0
+// Patches over cells for which no polynomial stands for n: each interpolates T(D), N/|N| in it, at sites that crowd
+// towards the ends, with both ends among them. Along an edge that depends on T(D) there alone, in one degree, so that
+// the patches on both sides of it have the same control points, bit for bit: points on edges that surfaces share are
+// taken from one of them, and sums are the same for both directions of an edge.
+//
+// The bound: the same patch was planned with stand-ins, whose errors are known; the difference of what they compose
+// to is a polynomial on each of its parts.
+#include "bezier/norm_bound.h"
+#include "job/cross.h"
+#include "kernel/banded.h"
+#include "kernel/bernstein.h"
+
+#include <knurl/compose.h>
+
+#include <math.h>
+#include <string.h>
+
+enum { DEPTH = 6, MOST_SITES = KN_MAX_DEGREE + 1 };
+
+// ---- where a place is, the same for all surfaces that have it ----
+
+// Basis functions add up to 1 but for rounding, and what is on a line is to be there.
+static double on_line(double x)
+{
+    double line = nearbyint(x);
+    return fabs(x - line) <= 0x1p-44 ? line : fmin(fmax(x, 0.0), 1.0);
+}
+
+// The multiples of 2^-40: x and 1 - x on both sides of an edge that runs backwards.
+static double on_lattice(double x)
+{
+    return ldexp(nearbyint(ldexp(x, 40)), -40);
+}
+
+static double line_at(const double *line, int cell, double t)
+{
+    return t == 1.0 ? line[cell + 1] : line[cell] + t * (line[cell + 1] - line[cell]);
+}
+
+// (u,v) in a cell of the surface, one of its own, as x in the parameters of the surface that has it first.
+static void find_first(int *surface, double x[2], const kn_job *job, const int cell[2], const double uv[2])
+{
+    const kn_job_surface *s = &job->surfaces[*surface];
+    int at[2] = {cell[0], cell[1]}, end[2];
+    double t[2] = {uv[0], uv[1]};
+    for (int d = 0; d < 2; d++) {
+        bool first = at[d] == 0 && t[d] == 0.0, last = at[d] == s->cells[d] - 1 && t[d] == 1.0;
+        if (last && s->closed[d]) at[d] = 0, t[d] = 0.0, first = true, last = false;
+        end[d] = first ? 0 : last ? 1 : -1;
+    }
+    for (int d = 0; d < 2; d++)
+        if (end[d] >= 0 && s->pole[2 * d + end[d]]) at[1 - d] = 0, t[1 - d] = 0.0, end[1 - d] = 0;
+    if (end[0] >= 0 && end[1] >= 0) {
+        int first = s->joint[2 * end[0] + end[1]];
+        *surface = first / 4, s = &job->surfaces[*surface];
+        x[0] = s->lines[0][first & 2 ? s->cells[0] : 0];
+        x[1] = s->lines[1][first & 1 ? s->cells[1] : 0];
+        return;
+    }
+    int d = end[0] >= 0 ? 0 : 1;
+    int edge = end[d] >= 0 ? 2 * d + end[d] : -1;
+    if (edge >= 0 && kn_job_meets(job, *surface, edge)) {
+        const kn_job_partner *p = &s->partner[edge];
+        t[1 - d] = on_lattice(t[1 - d]);
+        if (p->edge < 4 * *surface + edge) {
+            const kn_job_surface *other = &job->surfaces[p->edge / 4];
+            int across = (p->edge % 4) >> 1, n = other->cells[1 - across], i = at[1 - d];
+            double along = t[1 - d];
+            at[1 - across] = p->reversed ? n - 1 - i : i;
+            t[1 - across] = p->reversed ? 1.0 - along : along;
+            at[across] = p->edge % 2 == 1 ? other->cells[across] - 1 : 0;
+            t[across] = p->edge % 2;
+            *surface = p->edge / 4, s = other;
+        }
+    }
+    for (int k = 0; k < 2; k++) x[k] = line_at(s->lines[k], at[k], t[k]);
+}
+
+// T there, with the unit normal itself.
+static kn_status value_at(kn_ctx *ctx, double out[3], const kn_job *job, const kn_job_place *place,
+                          const double uvw[3])
+{
+    double x[2], n[3];
+    int surface = place->surface;
+    find_first(&surface, x, job, place->cell, uvw);
+    const kn_shell *shell = job->surfaces[surface].shell;
+    kn_status status = kn_spline_eval(ctx, out, kn_shell_surface(shell), x);
+    if (status == KN_OK && uvw[2] != 0.0) {
+        status = kn_shell_unit_normal(ctx, n, shell, x[0], x[1]);
+        for (int c = 0; c < 3 && status == KN_OK; c++) out[c] += uvw[2] * n[c];
+    }
+    return status;
+}
+
+// ---- interpolation ----
+
+// out[i] = sum_j a[i][j] in[j] along one variable of (outer, columns, inner), in pairs from both ends: for a matrix
+// that is the same from both, the result of what is reversed is reversed, bit for bit.
+static void apply(double *out, const double *a, int rows, int columns, const double *in, size_t outer, size_t inner)
+{
+    for (size_t o = 0; o < outer; o++)
+        for (int i = 0; i < rows; i++)
+            for (size_t k = 0; k < inner; k++) {
+                const double *row = a + (size_t)i * (size_t)columns, *x = in + o * (size_t)columns * inner + k;
+                double sum = 0.0;
+                for (int j = 0; 2 * j < columns; j++) {
+                    int last = columns - 1 - j;
+                    double pair = row[j] * x[(size_t)j * inner];
+                    if (last > j) pair += row[last] * x[(size_t)last * inner];
+                    sum += pair;
+                }
+                out[(o * (size_t)rows + (size_t)i) * inner + k] = sum;
+            }
+}
+
+// Makes it the same from both ends.
+static void even(double *a, int rows, int columns)
+{
+    for (int i = 0; 2 * i < rows; i++)
+        for (int j = 0; j < columns; j++) {
+            int last = (rows - 1 - i) * columns + columns - 1 - j;
+            if (2 * i + 1 == rows && 2 * j >= columns) continue;
+            a[last] = a[i * columns + j];
+        }
+}
+
+// From values at the sites of Bernstein degree p to coefficients.
+static kn_status make_inverse(kn_ctx *ctx, double *a, int p)
+{
+    double knots[2 * MOST_SITES], site[MOST_SITES];
+    int span[MOST_SITES], n = p + 1;
+    kn_collocation c = {.count = n, .degree = p};
+    c.band = kn_scratch(ctx, kn_collocation_room(n, p), sizeof *c.band);
+    if (!c.band) return KN_ENOMEM;
+    memset(a, 0, (size_t)n * (size_t)n * sizeof *a);
+    for (int i = 0; i < n; i++) {
+        knots[i] = 0.0, knots[n + i] = 1.0, span[i] = p;
+        site[i] = kn_cross_site(i, p);
+        a[i * n + i] = 1.0;
+    }
+    kn_collocation_factor(&c, knots, site, span);
+    kn_collocation_solve(&c, a, 1, (size_t)n);
+    for (int j = 0; j < n; j++) a[j] = j == 0 ? 1.0 : 0.0;
+    even(a, n, n);
+    return KN_OK;
+}
+
+// From the coefficients of degree m to values at the sites of degree p.
+static void make_values(double *a, int p, int m)
+{
+    for (int i = 0; i <= p; i++) kn_bernstein_basis(a + i * (m + 1), m, kn_cross_site(i, p));
+    even(a, p + 1, m + 1);
+}
+
+static kn_status interpolate(kn_ctx *ctx, kn_bezier *out, const kn_job *job, const kn_job_place *place,
+                             const kn_bezier *d, int p)
+{
+    int n = p + 1, m[2] = {d->degree[0] + 1, d->degree[1] + 1};
+    size_t sites = (size_t)n * (size_t)n, longest = (size_t)(m[0] > m[1] ? m[0] : m[1]);
+    kn_status status = kn_bezier_init(ctx, out, 2, 3, false, (const int[2]){p, p});
+    double *inverse = kn_scratch(ctx, sites, sizeof *inverse), *a = kn_scratch(ctx, (size_t)n * longest, sizeof *a),
+           *work = kn_scratch(ctx, 3 * (size_t)n * (longest > (size_t)n ? longest : (size_t)n), sizeof *work),
+           *at = kn_scratch(ctx, 3 * sites, sizeof *at);
+    if (status == KN_OK && !(inverse && a && work && at)) status = KN_ENOMEM;
+    if (status == KN_OK) status = make_inverse(ctx, inverse, p);
+    if (status != KN_OK) return status;
+    make_values(a, p, m[0] - 1);
+    apply(work, a, n, m[0], d->coef, 3, (size_t)m[1]);
+    make_values(a, p, m[1] - 1);
+    apply(at, a, n, m[1], work, 3 * (size_t)n, 1);
+    for (size_t i = 0; i < sites && status == KN_OK; i++) {
+        double value[3], uvw[3] = {at[i], at[sites + i], at[2 * sites + i]};
+        for (int c = 0; c < 2; c++) uvw[c] = on_line(uvw[c]);
+        status = value_at(ctx, value, job, place, uvw);
+        for (size_t c = 0; c < 3 && status == KN_OK; c++) at[c * sites + i] = value[c];
+    }
+    if (status != KN_OK) return status;
+    apply(work, inverse, n, n, at, 3, (size_t)n);
+    apply(out->coef, inverse, n, n, work, 3 * (size_t)n, 1);
+    return KN_OK;
+}
+
+// ---- the bound ----
+
+// Of |e| over [0,1]^2, or something above the limit.
+static kn_status bound(kn_ctx *ctx, double *most, const kn_bezier *e, double limit, int depth)
+{
+    size_t n = kn_bezier_count(e);
+    double square = 0.0;
+    for (size_t k = 0; k < n; k++) {
+        double x = e->coef[k], y = e->coef[n + k], z = e->coef[2 * n + k];
+        square = fmax(square, x * x + y * y + z * z);
+    }
+    *most = kn_round_up(sqrt(square));
+    if (*most <= limit || depth == DEPTH) return KN_OK;
+    kn_bezier half[2] = {{0}, {0}};
+    double here[2] = {0.0, 0.0};
+    kn_status status = kn_bezier_subdivide(ctx, &half[0], &half[1], e, depth % 2, 0.5);
+    for (int k = 0; k < 2 && status == KN_OK && here[0] <= limit; k++)
+        status = bound(ctx, &here[k], &half[k], limit, depth + 1);
+    *most = fmax(here[0], here[1]);
+    kn_bezier_clear(ctx, &half[0]);
+    kn_bezier_clear(ctx, &half[1]);
+    return status;
+}
+
+// What rounding does to a composition with the piece, inside its box, and to restrictions and differences with q.
+static double rounding_of(const kn_shell_piece *piece, const kn_bezier *d, const kn_bezier *q, double top)
+{
+    double sum = 0.0, terms = (d->degree[0] + 1.0) * (d->degree[1] + 1.0), size = 0.0;
+    for (int t = 0; t < piece->nterms; t++) {
+        const kn_bezier *f = &piece->term[t];
+        double p = f->degree[0] + f->degree[1] + piece->power[t], fold = (f->degree[0] + 1.0) * (f->degree[1] + 1.0);
+        size = 0.0;
+        for (size_t i = 0; i < 3 * kn_bezier_count(f); i++) size = fmax(size, fabs(f->coef[i]));
+        sum += kn_gamma_up(p * (terms + 9.0) + fold + 8.0) * size * pow(top, piece->power[t]) * 1.01;
+    }
+    size = 0.0;
+    for (size_t i = 0; i < 3 * kn_bezier_count(q); i++) size = fmax(size, fabs(q->coef[i]));
+    return kn_round_up(2.0 * sum + kn_gamma_up(16.0 * (q->degree[0] + q->degree[1] + 2)) * size);
+}
+
+// *off: of q from T(D) with N/|N| itself, over the part of D that the leaf is, or INFINITY.
+static kn_status leaf_error(kn_ctx *ctx, double *off, const kn_job_cell_plan *plan, const kn_job_leaf *leaf,
+                            const kn_bezier *q, double limit)
+{
+    const kn_shell_piece *piece = leaf->piece >= 0 ? &plan->pieces.list[leaf->piece].piece : NULL;
+    *off = INFINITY;
+    if (!piece || !piece->term[0].coef || leaf->trim.nloops > 0 || leaf->made.coef || leaf->mesh.position)
+        return KN_OK;
+    kn_bezier d = {0}, made = {0}, part = {0};
+    double lo[2], hi[2], most, top = kn_job_leaf_patch(plan, leaf)->top;
+    for (int v = 0; v < 2; v++) {
+        lo[v] = ldexp(leaf->key.rect.index[v], -leaf->key.rect.level[v]);
+        hi[v] = ldexp(leaf->key.rect.index[v] + 1.0, -leaf->key.rect.level[v]);
+    }
+    kn_status status = kn_job_leaf_source(ctx, &d, plan, leaf);
+    if (status == KN_OK) status = kn_compose_piece(ctx, &made, piece, &d);
+    if (status == KN_OK) status = kn_bezier_restrict(ctx, &part, q, lo, hi);
+    if (status == KN_OK) status = kn_bezier_difference(ctx, &part, &part, &made);
+    double known = (piece->normal.length_error + piece->normal.angle_error) * top;
+    if (status == KN_OK) known += rounding_of(piece, &d, q, top);
+    if (status == KN_OK) status = bound(ctx, &most, &part, limit - known, 0);
+    if (status == KN_OK && most + known <= limit) *off = kn_round_up(most + known);
+    kn_bezier_clear(ctx, &d);
+    kn_bezier_clear(ctx, &made);
+    kn_bezier_clear(ctx, &part);
+    return status;
+}
+
+// ---- in the plan ----
+
+static void drop_leaves(kn_ctx *ctx, kn_job_cell_plan *plan, int first)
+{
+    for (int i = first; i < plan->count; i++) kn_trim_clear(ctx, &plan->leaves[i].trim);
+    plan->count = first;
+}
+
+// Of q, over all leaves from the first one on.
+static kn_status error_of(kn_ctx *ctx, double *most, const kn_job_cell_plan *plan, int first, const kn_bezier *q,
+                          double limit)
+{
+    kn_status status = KN_OK;
+    double off = 0.0;
+    *most = 0.0;
+    for (int i = first; i < plan->count && status == KN_OK && *most <= limit; i++) {
+        status = leaf_error(ctx, &off, plan, &plan->leaves[i], q, limit);
+        *most = fmax(*most, off);
+    }
+    return status;
+}
+
+kn_status kn_job_meet(kn_ctx *ctx, kn_job_cell_plan *plan, const kn_job_leaf *leaf, const kn_job_place *place,
+                      int first)
+{
+    const kn_job *job = plan->job;
+    const kn_job_surface *s = &job->surfaces[place->surface];
+    double tight = 4.0 * job->report.normal_tol * fabs(job->report.height), most = INFINITY;
+    for (int d = 0; d < 2; d++)
+        if (place->cell[d] < 0 || place->cell[d] >= s->cells[d]) return KN_OK;
+    if (plan->count == first) return KN_OK;
+    kn_bezier q = {0}, d = {0};
+    kn_mark mark = kn_scratch_mark(ctx);
+    kn_status status = kn_job_restrict(ctx, &d, kn_job_leaf_patch(plan, leaf), leaf->key.rect, place->turn);
+    if (status == KN_OK) status = interpolate(ctx, &q, job, place, &d, job->options.max_degree);
+    bool none = status == KN_EUNDEFINED; // no normal somewhere
+    if (none) kn_ctx_clear_error(ctx), status = KN_OK;
+    if (status == KN_OK && !none) status = error_of(ctx, &most, plan, first, &q, tight);
+    if (status == KN_OK && most > tight && !none) status = error_of(ctx, &most, plan, first, &q, 4.0 * tight);
+    none = none || most > 4.0 * tight;
+    if (status == KN_OK && !none) {
+        kn_job_leaf made = *leaf;
+        made.piece = plan->leaves[first].piece;
+        made.alone = true;
+        made.made = q;
+        q = (kn_bezier){0};
+        drop_leaves(ctx, plan, first);
+        status = kn_job_add_leaf(ctx, plan, &made);
+        if (status == KN_OK) plan->leaves[plan->count - 1].key.exact = false;
+        plan->stand_in = fmax(plan->stand_in, most);
+        kn_bezier_clear(ctx, &made.made);
+    }
+    kn_scratch_release(ctx, mark);
+    kn_bezier_clear(ctx, &q);
+    kn_bezier_clear(ctx, &d);
+    return status;
+}
