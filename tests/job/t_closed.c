@@ -335,7 +335,6 @@ static void patches_meet(void **state)
     static const meeting cases[] = {
         {"thorn", {12, 13, 14, 15}, 4, 1, true},
         {"thorn", {12, 13}, 2, 1, false},
-        {"scale", {16, 17}, 2, 2, true},
         {"bump", {16, 17}, 2, 1, true},
     };
     test_memory memory = TEST_MEMORY_INIT;
