@@ -38,6 +38,7 @@ static kn_status plan(kn_ctx *ctx, kn_job *job, const kn_spline *surfaces, int n
     if (status == KN_OK) status = kn_job_vary_init(ctx, job);
     if (status == KN_OK) status = kn_job_select_init(ctx, job); // by what tiles occupy
     if (status == KN_OK) status = kn_job_find_least(ctx, job);
+    if (status == KN_OK) status = kn_job_find_meeting_degrees(ctx, job);
     if (status == KN_OK) status = kn_job_plan(ctx, job);
     kn_job_bases_clear(ctx, &bases);
     job->options.thickness = job->options.direction = job->options.attraction = NULL; // the caller's

@@ -166,6 +166,7 @@ struct kn_job {
     kn_job_surface *surfaces;
     int nsurfaces;
     kn_job_term *terms;             // of the surfaces
+    struct kn_job_meeting *meeting; // NULL: patches that interpolate have max_degree
     struct kn_job_borders *borders; // of trims; NULL: nothing is trimmed
     struct kn_job_varying *varying; // NULL: tiles are the same everywhere
     struct kn_job_looks *looks;     // colours by fields; NULL: none
@@ -423,7 +424,22 @@ void kn_job_leaf_degree(const kn_job_leaf *leaf, int degree[KN_JOB_VARS]);
 // D of a leaf in the coordinates of its piece's box, [0,1]^2, in which the piece is a function.
 kn_status kn_job_leaf_source(kn_ctx *ctx, kn_bezier *out, const kn_job_cell_plan *plan, const kn_job_leaf *leaf);
 
+// ---- meet_degrees.c ----
+// job->meeting: the degrees of patches that interpolate, where tiles are the same everywhere.
+kn_status kn_job_find_meeting_degrees(kn_ctx *ctx, kn_job *job);
+void kn_job_meeting_free(kn_ctx *ctx, struct kn_job_meeting *m);
+// While cells are planned to find them: then a patch in the cell at `place` is noted, and nothing is planned.
+bool kn_job_notes_meeting(const kn_job *job);
+kn_status kn_job_note_meeting(kn_ctx *ctx, const kn_job *job, int patch, const kn_job_place *place,
+                              const kn_job_rect *rect);
+// Of a patch in the cell at `place`, one of the surface's own.
+void kn_job_meeting_degree(int degree[2], const kn_job *job, const kn_job_place *place, int patch);
+
 // ---- meet.c ----
+// at: T(d) with N/|N| at Chebyshev-Lobatto sites of these degrees, component by component, along t fastest. Leaves
+// scratch memory. fails: KN_EUNDEFINED no normal; KN_ENOMEM.
+kn_status kn_job_sample(kn_ctx *ctx, double *at, const kn_job *job, const kn_job_place *place, const kn_bezier *d,
+                        const int degree[2]);
 // One leaf that interpolates in place of plan->leaves[first ..], those of a patch in the cell at `place`, which have
 // their pieces with coefficients; where its error would be too large they stay.
 kn_status kn_job_meet(kn_ctx *ctx, kn_job_cell_plan *plan, const kn_job_leaf *leaf, const kn_job_place *place,

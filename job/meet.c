@@ -153,32 +153,44 @@ static void make_values(double *a, int p, int m)
     even(a, p + 1, m + 1);
 }
 
-static kn_status interpolate(kn_ctx *ctx, kn_bezier *out, const kn_job *job, const kn_job_place *place,
-                             const kn_bezier *d, int p)
+kn_status kn_job_sample(kn_ctx *ctx, double *at, const kn_job *job, const kn_job_place *place, const kn_bezier *d,
+                        const int degree[2])
 {
-    int n = p + 1, m[2] = {d->degree[0] + 1, d->degree[1] + 1};
-    size_t sites = (size_t)n * (size_t)n, longest = (size_t)(m[0] > m[1] ? m[0] : m[1]);
-    kn_status status = kn_bezier_init(ctx, out, 2, 3, false, (const int[2]){p, p});
-    double *inverse = kn_scratch(ctx, sites, sizeof *inverse), *a = kn_scratch(ctx, (size_t)n * longest, sizeof *a),
-           *work = kn_scratch(ctx, 3 * (size_t)n * (longest > (size_t)n ? longest : (size_t)n), sizeof *work),
-           *at = kn_scratch(ctx, 3 * sites, sizeof *at);
-    if (status == KN_OK && !(inverse && a && work && at)) status = KN_ENOMEM;
-    if (status == KN_OK) status = make_inverse(ctx, inverse, p);
+    int n[2] = {degree[0] + 1, degree[1] + 1}, m[2] = {d->degree[0] + 1, d->degree[1] + 1};
+    size_t sites = (size_t)n[0] * (size_t)n[1], values = 0;
+    for (int v = 0; v < 2; v++) values = (size_t)(n[v] * m[v]) > values ? (size_t)(n[v] * m[v]) : values;
+    double *a = kn_scratch(ctx, values, sizeof *a), *work = kn_scratch(ctx, 3 * (size_t)(n[0] * m[1]), sizeof *work);
+    kn_status status = a && work ? KN_OK : KN_ENOMEM;
     if (status != KN_OK) return status;
-    make_values(a, p, m[0] - 1);
-    apply(work, a, n, m[0], d->coef, 3, (size_t)m[1]);
-    make_values(a, p, m[1] - 1);
-    apply(at, a, n, m[1], work, 3 * (size_t)n, 1);
+    make_values(a, degree[0], m[0] - 1);
+    apply(work, a, n[0], m[0], d->coef, 3, (size_t)m[1]);
+    make_values(a, degree[1], m[1] - 1);
+    apply(at, a, n[1], m[1], work, 3 * (size_t)n[0], 1);
     for (size_t i = 0; i < sites && status == KN_OK; i++) {
         double value[3], uvw[3] = {at[i], at[sites + i], at[2 * sites + i]};
         for (int c = 0; c < 2; c++) uvw[c] = on_line(uvw[c]);
         status = value_at(ctx, value, job, place, uvw);
         for (size_t c = 0; c < 3 && status == KN_OK; c++) at[c * sites + i] = value[c];
     }
+    return status;
+}
+
+static kn_status interpolate(kn_ctx *ctx, kn_bezier *out, const kn_job *job, const kn_job_place *place,
+                             const kn_bezier *d, const int degree[2])
+{
+    int n[2] = {degree[0] + 1, degree[1] + 1}, most = n[0] > n[1] ? n[0] : n[1];
+    size_t sites = (size_t)n[0] * (size_t)n[1];
+    kn_status status = kn_bezier_init(ctx, out, 2, 3, false, degree);
+    double *inverse = kn_scratch(ctx, (size_t)(most * most), sizeof *inverse),
+           *work = kn_scratch(ctx, 3 * sites, sizeof *work), *at = kn_scratch(ctx, 3 * sites, sizeof *at);
+    if (status == KN_OK && !(inverse && work && at)) status = KN_ENOMEM;
+    if (status == KN_OK) status = kn_job_sample(ctx, at, job, place, d, degree);
+    if (status == KN_OK) status = make_inverse(ctx, inverse, degree[0]);
     if (status != KN_OK) return status;
-    apply(work, inverse, n, n, at, 3, (size_t)n);
-    apply(out->coef, inverse, n, n, work, 3 * (size_t)n, 1);
-    return KN_OK;
+    apply(work, inverse, n[0], n[0], at, 3, (size_t)n[1]);
+    status = make_inverse(ctx, inverse, degree[1]);
+    if (status == KN_OK) apply(out->coef, inverse, n[1], n[1], work, 3 * (size_t)n[0], 1);
+    return status;
 }
 
 // ---- the bound ----
@@ -280,10 +292,12 @@ kn_status kn_job_meet(kn_ctx *ctx, kn_job_cell_plan *plan, const kn_job_leaf *le
     for (int d = 0; d < 2; d++)
         if (place->cell[d] < 0 || place->cell[d] >= s->cells[d]) return KN_OK;
     if (plan->count == first) return KN_OK;
+    int degree[2];
     kn_bezier q = {0}, d = {0};
     kn_mark mark = kn_scratch_mark(ctx);
     kn_status status = kn_job_restrict(ctx, &d, kn_job_leaf_patch(plan, leaf), leaf->key.rect, place->turn);
-    if (status == KN_OK) status = interpolate(ctx, &q, job, place, &d, job->options.max_degree);
+    kn_job_meeting_degree(degree, job, place, leaf->key.patch);
+    if (status == KN_OK) status = interpolate(ctx, &q, job, place, &d, degree);
     bool none = status == KN_EUNDEFINED; // no normal somewhere
     if (none) kn_ctx_clear_error(ctx), status = KN_OK;
     if (status == KN_OK && !none) status = error_of(ctx, &most, plan, first, &q, tight);

@@ -257,6 +257,8 @@ static kn_status plan_patch(kn_ctx *ctx, kn_job_cell_plan *plan, int patch, bool
     bool outline = plan->pieces.outline;
     int first = plan->count;
     leaf.key.turn = (uint8_t)place.turn;
+    if (kn_job_notes_meeting(plan->job))
+        return meets ? kn_job_note_meeting(ctx, plan->job, patch, &place, &leaf.key.rect) : KN_OK;
     if (meets) plan->pieces.outline = false;
     kn_status status = plan_parts(ctx, plan, patch, own, instance);
     if (status == KN_OK && meets) status = kn_job_meet(ctx, plan, &leaf, &place, first);

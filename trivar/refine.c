@@ -22,7 +22,7 @@ static double work_for(const kn_shell *s)
 typedef struct refinement {
     kn_shell *shell;
     int max_degree, max_spans;
-    int least[2], lowest[2]; // lowest: with whole cells
+    int least[2], lowest[2];               // lowest: with whole cells
     int highest, cell_degree_sum, most[2]; // most: kn_grid_axis
     kn_grid_axis axes[2];
     kn_direction_box *box; // the direction over each span of n, last variable fastest

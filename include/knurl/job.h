@@ -203,10 +203,10 @@ typedef struct kn_job_options {
     double mesh_tol;     // chord height of tessellations, length units; 0: 1/100 of the mean cell size
     bool symbolic;       // compose each cell symbolically (the reference) instead of by matrix
     // Patches over cells for which no polynomial of the degrees that there is room for is n interpolate T(D), with
-    // N/|N| itself, in max_degree, so that edges are the same on both sides bit for bit (stand_in_error bounds that).
-    // On polynomial surfaces without fields, tiles of surfaces alone that stay in their cells and are not cut by
-    // trims, up to 20,000 patches on surfaces that hang together; elsewhere, and of false, patches over such cells
-    // have stand-ins for n, each its own.
+    // N/|N| itself, in the least degrees that do, so that edges are the same on both sides bit for bit
+    // (stand_in_error bounds that). On polynomial surfaces without fields, tiles of surfaces alone that stay in their
+    // cells and are not cut by trims, up to 20,000 patches on surfaces that hang together; elsewhere, and of false,
+    // patches over such cells have stand-ins for n, each its own.
     bool equal_edges;
 } kn_job_options;
 KN_API kn_job_options kn_job_defaults(void);
@@ -258,8 +258,8 @@ typedef struct kn_patch_id {
     int layer;    // kn_job_run_layers
 } kn_patch_id;
 
-// An edge of a trimmed patch that others have, too: those whose number, curve, vertices and points are the same, bit for
-// bit. The curve may run either way along the trim's.
+// An edge of a trimmed patch that others have, too: those whose number, curve, vertices and points are the same, bit
+// for bit. The curve may run either way along the trim's.
 typedef struct kn_patch_edge {
     uint64_t number;        // from 0 on
     const kn_spline *curve; // in space, over [a,b]; NULL: this curve of the trim is known by itself alone
@@ -283,25 +283,26 @@ typedef struct kn_patch {
     // One to three variables, 3 components or 4 homogeneous ones; borrowed, valid during the call, as all that
     // follows.
     kn_bezier bezier;
-    // Not NULL: in the place of bezier, which is then empty, a spline over [0,1]^nvars (kn_limit_sink, kn_merge_sink).
+    // Not NULL: in the place of bezier, which is then empty, a spline over [0,1]^nvars (kn_limit_sink,
+    // kn_merge_sink).
     const kn_spline *spline;
-    // Of a limited surface: its edges r = 0, r = 1, t = 0, t = 1, four splines of one variable, each fitted by itself, so
-    // that both faces of an edge have the same one, bit for bit up to its direction; they are the ends of spline, which
-    // may have more knots. NULL: the ends of spline or bezier themselves.
+    // Of a limited surface: its edges r = 0, r = 1, t = 0, t = 1, four splines of one variable, each fitted by
+    // itself, so that both faces of an edge have the same one, bit for bit up to its direction; they are the ends of
+    // spline, which may have more knots. NULL: the ends of spline or bezier themselves.
     const kn_spline *edge;
-    const kn_trim *trim; // of a surface: what there is of it, in its [0,1]^2; NULL: all
+    const kn_trim *trim;           // of a surface: what there is of it, in its [0,1]^2; NULL: all
     const kn_patch_bounds *bounds; // of a trimmed surface; NULL: nothing is known
-    const kn_mesh *mesh; // not NULL: a mapped part of a mesh; bezier is then empty
-    bool reversed;       // outward is -(r x t): the job's height is negative
-    bool exact;          // false: composed with a stand-in for n
-    uint8_t hidden;      // faces of a volume behind others: bit 2 var + end. The outside of volumes is without them
-    int segments[3];     // in each variable, by which tessellations of neighbouring patches match
+    const kn_mesh *mesh;           // not NULL: a mapped part of a mesh; bezier is then empty
+    bool reversed;                 // outward is -(r x t): the job's height is negative
+    bool exact;                    // false: composed with a stand-in for n
+    uint8_t hidden;  // faces of a volume behind others: bit 2 var + end. The outside of volumes is without them
+    int segments[3]; // in each variable, by which tessellations of neighbouring patches match
 } kn_patch;
 
 // ---- what a patch looks like ----
 KN_API int kn_patch_nvars(const kn_patch *patch); // of bezier or spline; 0: a mesh
-// Its bezier or its spline, as a spline (clamped, over [0,1]^nvars) that borrows all arrays: read it, and neither clear
-// nor change it. Empty for a mesh.
+// Its bezier or its spline, as a spline (clamped, over [0,1]^nvars) that borrows all arrays: read it, and neither
+// clear nor change it. Empty for a mesh.
 KN_API kn_spline kn_patch_spline(const kn_patch *patch);
 // Appends triangles: of a surface (kn_mesh_add_patch, kn_mesh_add_trimmed), of the faces of a volume that are not
 // hidden, of a mapped mesh; none of a curve. fails: as those; the mesh holds what it held.

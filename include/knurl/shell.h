@@ -49,7 +49,7 @@ typedef struct kn_shell_options {
     // this; 0: never. Then n is one polynomial over every cell, C2 across their lines, or C0 where that does not do.
     int cell_degree_sum;
     bool cells_apart[2]; // n is C0 alone across lines in this variable, whatever its degree
-    int max_spans; // knot intervals of n in one variable, beyond which refinement gives up; 0: 4096
+    int max_spans;       // knot intervals of n in one variable, beyond which refinement gives up; 0: 4096
 } kn_shell_options;
 
 KN_API kn_shell_options kn_shell_defaults(void);

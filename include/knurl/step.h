@@ -62,7 +62,7 @@ typedef struct kn_step_options {
     // Faces are called as their surfaces alone, "" where these have no name, and bodies as their parts: for what no
     // job made.
     bool plain_names;
-    const kn_step_host *host;         // borrowed until the sink is closed, of the same schema; NULL: none
+    const kn_step_host *host; // borrowed until the sink is closed, of the same schema; NULL: none
     // An assembly: cells whose control points are those of an earlier one, turned and shifted (within 1e-9 of the cell's
     // size, all of them; weights within 2e-11), are instances of its part. Others, mirrored ones too, are parts of their
     // own. For AP214 and AP242, and for tiles whose bodies are closed by the faces of one cell. A new cell is compared

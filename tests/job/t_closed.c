@@ -229,6 +229,7 @@ typedef struct meeting {
     const char *tile;
     int patches[4], n, count;
     bool equal;
+    int most; // the largest degree: what the sharpest row of cells needs, and not what there is room for
 } meeting;
 
 // S or its derivative along variable `var` (-1: none) of a bicubic over [0,1]^2, from its control points.
@@ -319,6 +320,7 @@ static void check_meeting(kn_ctx *ctx, const meeting *m)
     for (size_t i = 0; i < r.count && m->equal; i++) {
         const kn_patch_id *id = &r.patches[i].id;
         assert_false(r.patches[i].exact);
+        for (int v = 0; v < 2; v++) assert_true(r.patches[i].bezier.degree[v] <= m->most);
         double off = off_true(ctx, &r.patches[i], &tile, &s[id->surface], m->count, height);
         if (!(off <= bound)) fail_msg("%s, patch %zu: off by %g, and %g is stated", m->tile, i, off, bound);
     }
@@ -333,9 +335,9 @@ static void patches_meet(void **state)
 {
     (void)state;
     static const meeting cases[] = {
-        {"thorn", {12, 13, 14, 15}, 4, 1, true},
-        {"thorn", {12, 13}, 2, 1, false},
-        {"bump", {16, 17}, 2, 1, true},
+        {"thorn", {12, 13, 14, 15}, 4, 1, true, 14}, {"thorn", {12, 13}, 2, 1, false, 25},
+        {"bump", {16, 17}, 2, 1, true, 15},          {"scale", {12, 13}, 2, 2, true, 12},
+        {"knurl", {0, 1, 2, 3}, 4, 2, true, 13},
     };
     test_memory memory = TEST_MEMORY_INIT;
     kn_ctx *ctx = test_ctx(&memory, 1);
