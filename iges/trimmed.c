@@ -7,26 +7,17 @@
 
 #include <string.h>
 
-static kn_status grow(kn_ctx *ctx, void **list, size_t *room, size_t n, size_t size)
-{
-    if (n <= *room) return KN_OK;
-    size_t wanted = 2 * *room > n ? 2 * *room : n + 16;
-    void *more = kn_resize(ctx, *list, wanted, size);
-    if (!more) return KN_ENOMEM;
-    *list = more, *room = wanted;
-    return KN_OK;
-}
-
 // Room for all that one trim may have.
 static kn_status reserve(kn_iges_written *w, const kn_trim_edges *t, const kn_trim *trim)
 {
     kn_ctx *ctx = w->text.ctx;
     size_t n = (size_t)trim->ncurves;
     void *loops = w->loops, *lines = w->lines, *edges = w->edges, *pairs = w->pairs;
-    kn_status status = grow(ctx, &loops, &w->loop_room, w->nloops + (size_t)t->nloops, sizeof *w->loops);
-    if (status == KN_OK) status = grow(ctx, &lines, &w->line_room, w->nlines + 2 * n, sizeof *w->lines);
-    if (status == KN_OK) status = grow(ctx, &edges, &w->edge_room, w->nedges + n, sizeof *w->edges);
-    if (status == KN_OK) status = grow(ctx, &pairs, &w->pair_room, w->npairs + KN_BREP_PAIRS, sizeof *w->pairs);
+    kn_status status = kn_make_room(ctx, &loops, &w->loop_room, w->nloops + (size_t)t->nloops, sizeof *w->loops);
+    if (status == KN_OK) status = kn_make_room(ctx, &lines, &w->line_room, w->nlines + 2 * n, sizeof *w->lines);
+    if (status == KN_OK) status = kn_make_room(ctx, &edges, &w->edge_room, w->nedges + n, sizeof *w->edges);
+    if (status == KN_OK)
+        status = kn_make_room(ctx, &pairs, &w->pair_room, w->npairs + KN_BREP_PAIRS, sizeof *w->pairs);
     w->loops = loops, w->lines = lines, w->edges = edges, w->pairs = pairs;
     return status;
 }

@@ -5,6 +5,7 @@
 // lie in other parameters, perhaps backwards, and N comes from other derivatives. So the one of lower number lends its
 // coefficients along the edge, term by term, to the other; and of all surfaces that meet in a corner, one lends that.
 #include "job/internal.h"
+#include "kernel/union_find.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -12,19 +13,6 @@
 
 static const double near = 1e-11;         // what lent coefficients may differ by: relative to S's size, and to n
 static const size_t most_meeting = 20000; // patches of a family that interpolates: a minute or less
-
-static int root_of(const int *parent, int i)
-{
-    while (parent[i] != i) i = parent[i];
-    return i;
-}
-
-// The lower one of both roots stays a root.
-static void unite(int *parent, int a, int b)
-{
-    int x = root_of(parent, a), y = root_of(parent, b);
-    parent[x > y ? x : y] = x > y ? y : x;
-}
 
 // n is one polynomial over every cell, or there is none but what S has as knots.
 static bool has_whole_cells(const kn_job_surface *s)
@@ -82,17 +70,18 @@ kn_status kn_job_even_degrees(kn_ctx *ctx, kn_job_evened *of, bool *again, const
     for (int s = 0; s < job->nsurfaces; s++)
         for (int e = 0; e < 4; e++) {
             int to = job->surfaces[s].partner[e].edge;
-            if (may_share(job, s, e)) unite(class_of, 2 * s + 1 - (e >> 1), 2 * (to / 4) + 1 - (to % 4 >> 1));
+            if (may_share(job, s, e))
+                kn_class_unite(class_of, 2 * s + 1 - (e >> 1), 2 * (to / 4) + 1 - (to % 4 >> 1));
         }
     for (int i = 0; i < n; i++) {
         const kn_spline *f = kn_shell_normal(job->surfaces[i / 2].shell);
-        int r = root_of(class_of, i);
+        int r = kn_class_root(class_of, i);
         if (!f->coef) continue;
         most[r] = f->degree[i % 2] > most[r] ? f->degree[i % 2] : most[r];
         apart[r] = apart[r] || smoothness_of(f, i % 2) == APART;
     }
     for (int i = 0; i < n; i++) {
-        int r = root_of(class_of, i);
+        int r = kn_class_root(class_of, i);
         const kn_spline *f = kn_shell_normal(job->surfaces[i / 2].shell),
                         *g = kn_shell_normal(job->surfaces[r / 2].shell);
         // of one degree, as many coefficients are as smooth across the cell lines
@@ -101,12 +90,12 @@ kn_status kn_job_even_degrees(kn_ctx *ctx, kn_job_evened *of, bool *again, const
         for (int k = 0; k < n && !same; k++) {
             kn_job_evened *to = &of[k / 2];
             bool asked = to->least[k % 2] == most[r] && to->apart[k % 2] == apart[r];
-            to->again = to->again || (root_of(class_of, k) == r && !asked);
+            to->again = to->again || (kn_class_root(class_of, k) == r && !asked);
         }
     }
     for (int i = 0; i < n; i++) {
-        of[i / 2].least[i % 2] = most[root_of(class_of, i)];
-        of[i / 2].apart[i % 2] = apart[root_of(class_of, i)];
+        of[i / 2].least[i % 2] = most[kn_class_root(class_of, i)];
+        of[i / 2].apart[i % 2] = apart[kn_class_root(class_of, i)];
         *again = *again || of[i / 2].again;
     }
     kn_scratch_release(ctx, mark);
@@ -132,16 +121,16 @@ static void find_families(kn_job *job, int *family, size_t *patches, bool *torn)
     for (int s = 0; s < n; s++) family[s] = s, patches[s] = 0, torn[s] = false;
     for (int s = 0; s < n; s++)
         for (int e = 0; e < 4; e++)
-            if (kn_job_meets(job, s, e)) unite(family, s, job->surfaces[s].partner[e].edge / 4);
+            if (kn_job_meets(job, s, e)) kn_class_unite(family, s, job->surfaces[s].partner[e].edge / 4);
     for (int s = 0; s < n; s++) {
         const kn_job_surface *to = &job->surfaces[s];
-        int r = root_of(family, s);
+        int r = kn_class_root(family, s);
         bool can = kn_job_components(to) == 3 && kn_shell_normal(to->shell)->coef;
         patches[r] += can ? (size_t)to->cells[0] * (size_t)to->cells[1] * (size_t)job->npatches : most_meeting + 1;
         torn[r] = torn[r] || !has_whole_cells(to);
     }
     for (int s = 0; s < n; s++) {
-        int r = root_of(family, s);
+        int r = kn_class_root(family, s);
         job->surfaces[s].meets = torn[r] && patches[r] <= most_meeting;
     }
 }
@@ -166,15 +155,16 @@ kn_status kn_job_find_meeting(kn_ctx *ctx, kn_job *job)
         const kn_job_partner *p = &s->partner[e];
         kn_shell_edges(s->shell, edge);
         s->pole[e] = edge[e >> 1][e & 1].kind == KN_EDGE_POLE;
-        if (s->pole[e]) unite(corner, corner_at(i / 4, e, 0), corner_at(i / 4, e, 1));
+        if (s->pole[e]) kn_class_unite(corner, corner_at(i / 4, e, 0), corner_at(i / 4, e, 1));
         for (int end = 0; end < 2; end++) {
             int here = corner_at(i / 4, e, end);
-            if (s->closed[e >> 1]) unite(corner, here, corner_at(i / 4, e ^ 1, end));
+            if (s->closed[e >> 1]) kn_class_unite(corner, here, corner_at(i / 4, e ^ 1, end));
             if (kn_job_meets(job, i / 4, e))
-                unite(corner, here, corner_at(p->edge / 4, p->edge % 4, p->reversed ? 1 - end : end));
+                kn_class_unite(corner, here, corner_at(p->edge / 4, p->edge % 4, p->reversed ? 1 - end : end));
         }
     }
-    for (int i = 0; i < 4 * (int)n && status == KN_OK; i++) job->surfaces[i / 4].joint[i % 4] = root_of(corner, i);
+    for (int i = 0; i < 4 * (int)n && status == KN_OK; i++)
+        job->surfaces[i / 4].joint[i % 4] = kn_class_root(corner, i);
     kn_scratch_release(ctx, mark);
     return status;
 }
@@ -345,13 +335,13 @@ static kn_status add_members(kn_ctx *ctx, member *list, size_t *n, const kn_job_
 
 // The patches of a family compose for the terms that any of its surfaces has: job->terms, and where each surface finds
 // its family's.
-static kn_status set_families(kn_ctx *ctx, kn_job *job, const int *family)
+static kn_status set_families(kn_ctx *ctx, kn_job *job, int *family)
 {
     size_t n = 0, kept = 0, most = KN_SHELL_TERMS * (size_t)job->nsurfaces;
     member *list = kn_alloc(ctx, most, sizeof *list);
     kn_status status = list ? KN_OK : KN_ENOMEM;
     for (int s = 0; s < job->nsurfaces && status == KN_OK; s++)
-        status = add_members(ctx, list, &n, &job->surfaces[s], root_of(family, s));
+        status = add_members(ctx, list, &n, &job->surfaces[s], kn_class_root(family, s));
     if (status == KN_OK && !(job->terms = kn_alloc(ctx, n + 1, sizeof *job->terms))) status = KN_ENOMEM;
     if (status == KN_OK) qsort(list, n, sizeof *list, compare_members);
     for (size_t i = 0; i < n && status == KN_OK; i++) {
@@ -361,7 +351,7 @@ static kn_status set_families(kn_ctx *ctx, kn_job *job, const int *family)
         job->terms[kept++] = list[i].term;
     }
     for (int s = job->nsurfaces - 1; s >= 0 && status == KN_OK; s--) { // a root comes before the others
-        const kn_job_surface *root = &job->surfaces[root_of(family, s)];
+        const kn_job_surface *root = &job->surfaces[kn_class_root(family, s)];
         job->surfaces[s].first_term = root->first_term;
         job->surfaces[s].nterms = has_whole_cells(&job->surfaces[s]) ? root->nterms : 0;
     }
@@ -384,16 +374,17 @@ kn_status kn_job_share_edges(kn_ctx *ctx, kn_job *job)
             if (p->edge >= 4 * s + e || !may_share(job, s, e)) continue;
             status = can_borrow(ctx, &to->borrows[e], job, s, e);
             if (status != KN_OK || !to->borrows[e]) continue;
-            unite(family, s, p->edge / 4);
+            kn_class_unite(family, s, p->edge / 4);
             for (int end = 0; end < 2; end++)
-                unite(corner, corner_at(s, e, end), corner_at(p->edge / 4, p->edge % 4, p->reversed ? 1 - end : end));
+                kn_class_unite(corner, corner_at(s, e, end),
+                               corner_at(p->edge / 4, p->edge % 4, p->reversed ? 1 - end : end));
         }
     for (int s = 0; s < n && status == KN_OK; s++)
         for (int v = 0; v < 2; v++)
             for (int end = 0; end < 2 && job->surfaces[s].closed[v]; end++)
-                unite(corner, corner_at(s, 2 * v, end), corner_at(s, 2 * v + 1, end));
+                kn_class_unite(corner, corner_at(s, 2 * v, end), corner_at(s, 2 * v + 1, end));
     for (int i = 0; i < 4 * n && status == KN_OK; i++)
-        job->surfaces[i / 4].corner[i % 4] = root_of(corner, i) == i ? -1 : root_of(corner, i);
+        job->surfaces[i / 4].corner[i % 4] = kn_class_root(corner, i) == i ? -1 : kn_class_root(corner, i);
     if (status == KN_OK) status = set_families(ctx, job, family);
     kn_scratch_release(ctx, mark);
     return status;

@@ -7,6 +7,7 @@
 // edges and common ones.
 #include "job/internal.h"
 #include "job/vary.h"
+#include "kernel/union_find.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -162,13 +163,6 @@ static edge make_edge(const kn_job_patch *patch, int var, int ends)
     return compare_edges(&back, &e) < 0 ? back : e;
 }
 
-// Shortens the way for those who ask later.
-static int root_of(int *parent, int i)
-{
-    while (parent[i] != i) i = parent[i] = parent[parent[i]];
-    return i;
-}
-
 // class_of[KN_JOB_VARS k + v], of variable v of Bezier patch k: what has to have the same degrees.
 static kn_status find_classes(kn_ctx *ctx, int *class_of, const kn_job *job)
 {
@@ -182,11 +176,9 @@ static kn_status find_classes(kn_ctx *ctx, int *class_of, const kn_job *job)
             for (int ends = 0; ends < 1 << (nvars - 1); ends++) edges[n++] = make_edge(&job->patches[k], v, ends);
     }
     qsort(edges, n, sizeof *edges, compare_edges);
-    for (size_t i = 1; i < n; i++) {
-        if (compare_edges(&edges[i - 1], &edges[i]) != 0) continue;
-        int a = root_of(class_of, edges[i - 1].place), b = root_of(class_of, edges[i].place);
-        class_of[a > b ? a : b] = a > b ? b : a;
-    }
+    for (size_t i = 1; i < n; i++)
+        if (compare_edges(&edges[i - 1], &edges[i]) == 0)
+            kn_class_unite(class_of, edges[i - 1].place, edges[i].place);
     kn_free(ctx, edges);
     return KN_OK;
 }
@@ -222,14 +214,14 @@ static void make_equal(kn_job_least *least, int n, int *class_of, bool uv)
 {
     enum { VARS = KN_JOB_VARS };
     for (int i = 0; i < VARS * n; i++) {
-        int root = root_of(class_of, i);
+        int root = kn_class_root(class_of, i);
         const kn_job_least *from = &least[i / VARS];
         kn_job_least *to = &least[root / VARS];
         for (int c = 0; c < 3; c++) raise_to(&to->degree[c][root % VARS], from->degree[c][i % VARS]);
         for (int c = 0; c < 2 && uv; c++) raise_to(&to->degree[c][root % VARS], from->degree[1 - c][i % VARS]);
     }
     for (int i = 0; i < VARS * n; i++) {
-        int root = root_of(class_of, i);
+        int root = kn_class_root(class_of, i);
         for (int c = 0; c < 3; c++) least[i / VARS].degree[c][i % VARS] = least[root / VARS].degree[c][root % VARS];
     }
 }

@@ -16,7 +16,7 @@
 #include <math.h>
 #include <string.h>
 
-enum { DEPTH = 6, MOST_SITES = KN_MAX_DEGREE + 1 };
+enum { MOST_SITES = KN_MAX_DEGREE + 1 };
 
 // ---- where a place is, the same for all surfaces that have it ----
 
@@ -195,28 +195,6 @@ static kn_status interpolate(kn_ctx *ctx, kn_bezier *out, const kn_job *job, con
 
 // ---- the bound ----
 
-// Of |e| over [0,1]^2, or something above the limit.
-static kn_status bound(kn_ctx *ctx, double *most, const kn_bezier *e, double limit, int depth)
-{
-    size_t n = kn_bezier_count(e);
-    double square = 0.0;
-    for (size_t k = 0; k < n; k++) {
-        double x = e->coef[k], y = e->coef[n + k], z = e->coef[2 * n + k];
-        square = fmax(square, x * x + y * y + z * z);
-    }
-    *most = kn_round_up(sqrt(square));
-    if (*most <= limit || depth == DEPTH) return KN_OK;
-    kn_bezier half[2] = {{0}, {0}};
-    double here[2] = {0.0, 0.0};
-    kn_status status = kn_bezier_subdivide(ctx, &half[0], &half[1], e, depth % 2, 0.5);
-    for (int k = 0; k < 2 && status == KN_OK && here[0] <= limit; k++)
-        status = bound(ctx, &here[k], &half[k], limit, depth + 1);
-    *most = fmax(here[0], here[1]);
-    kn_bezier_clear(ctx, &half[0]);
-    kn_bezier_clear(ctx, &half[1]);
-    return status;
-}
-
 // What rounding does to a composition with the piece, inside its box, and to restrictions and differences with q.
 static double rounding_of(const kn_shell_piece *piece, const kn_bezier *d, const kn_bezier *q, double top)
 {
@@ -233,16 +211,17 @@ static double rounding_of(const kn_shell_piece *piece, const kn_bezier *d, const
     return kn_round_up(2.0 * sum + kn_gamma_up(16.0 * (q->degree[0] + q->degree[1] + 2)) * size);
 }
 
-// *off: of q from T(D) with N/|N| itself, over the part of D that the leaf is, or INFINITY.
+// *off: of q from T(D) with N/|N| itself, over the part of D that the leaf is, as closely as it is above aim, or
+// INFINITY.
 static kn_status leaf_error(kn_ctx *ctx, double *off, const kn_job_cell_plan *plan, const kn_job_leaf *leaf,
-                            const kn_bezier *q, double limit)
+                            const kn_bezier *q, double aim)
 {
     const kn_shell_piece *piece = leaf->piece >= 0 ? &plan->pieces.list[leaf->piece].piece : NULL;
     *off = INFINITY;
     if (!piece || !piece->term[0].coef || leaf->trim.nloops > 0 || leaf->made.coef || leaf->mesh.position)
         return KN_OK;
     kn_bezier d = {0}, made = {0}, part = {0};
-    double lo[2], hi[2], most, top = kn_job_leaf_patch(plan, leaf)->top;
+    double lo[2], hi[2], most = 0.0, top = kn_job_leaf_patch(plan, leaf)->top;
     for (int v = 0; v < 2; v++) {
         lo[v] = ldexp(leaf->key.rect.index[v], -leaf->key.rect.level[v]);
         hi[v] = ldexp(leaf->key.rect.index[v] + 1.0, -leaf->key.rect.level[v]);
@@ -253,8 +232,9 @@ static kn_status leaf_error(kn_ctx *ctx, double *off, const kn_job_cell_plan *pl
     if (status == KN_OK) status = kn_bezier_difference(ctx, &part, &part, &made);
     double known = (piece->normal.length_error + piece->normal.angle_error) * top;
     if (status == KN_OK) known += rounding_of(piece, &d, q, top);
-    if (status == KN_OK) status = bound(ctx, &most, &part, limit - known, 0);
-    if (status == KN_OK && most + known <= limit) *off = kn_round_up(most + known);
+    double least = fmax(0.0, aim - known) / 1.25; // what is below it need not be known better
+    if (status == KN_OK) status = kn_bezier_norm_bound(ctx, &most, &least, &part, -1.0);
+    if (status == KN_OK) *off = kn_round_up(most + known);
     kn_bezier_clear(ctx, &d);
     kn_bezier_clear(ctx, &made);
     kn_bezier_clear(ctx, &part);
@@ -269,15 +249,15 @@ static void drop_leaves(kn_ctx *ctx, kn_job_cell_plan *plan, int first)
     plan->count = first;
 }
 
-// Of q, over all leaves from the first one on.
+// Of q, over all leaves from the first one on, until it is above the limit.
 static kn_status error_of(kn_ctx *ctx, double *most, const kn_job_cell_plan *plan, int first, const kn_bezier *q,
-                          double limit)
+                          double aim, double limit)
 {
     kn_status status = KN_OK;
     double off = 0.0;
     *most = 0.0;
     for (int i = first; i < plan->count && status == KN_OK && *most <= limit; i++) {
-        status = leaf_error(ctx, &off, plan, &plan->leaves[i], q, limit);
+        status = leaf_error(ctx, &off, plan, &plan->leaves[i], q, aim);
         *most = fmax(*most, off);
     }
     return status;
@@ -288,7 +268,7 @@ kn_status kn_job_meet(kn_ctx *ctx, kn_job_cell_plan *plan, const kn_job_leaf *le
 {
     const kn_job *job = plan->job;
     const kn_job_surface *s = &job->surfaces[place->surface];
-    double tight = 4.0 * job->report.normal_tol * fabs(job->report.height), most = INFINITY;
+    double aim = 4.0 * job->report.normal_tol * fabs(job->report.height), most = INFINITY;
     for (int d = 0; d < 2; d++)
         if (place->cell[d] < 0 || place->cell[d] >= s->cells[d]) return KN_OK;
     if (plan->count == first) return KN_OK;
@@ -300,9 +280,8 @@ kn_status kn_job_meet(kn_ctx *ctx, kn_job_cell_plan *plan, const kn_job_leaf *le
     if (status == KN_OK) status = interpolate(ctx, &q, job, place, &d, degree);
     bool none = status == KN_EUNDEFINED; // no normal somewhere
     if (none) kn_ctx_clear_error(ctx), status = KN_OK;
-    if (status == KN_OK && !none) status = error_of(ctx, &most, plan, first, &q, tight);
-    if (status == KN_OK && most > tight && !none) status = error_of(ctx, &most, plan, first, &q, 4.0 * tight);
-    none = none || most > 4.0 * tight;
+    if (status == KN_OK && !none) status = error_of(ctx, &most, plan, first, &q, aim, 4.0 * aim);
+    none = none || most > 4.0 * aim;
     if (status == KN_OK && !none) {
         kn_job_leaf made = *leaf;
         made.piece = plan->leaves[first].piece;

@@ -4,7 +4,9 @@
 // through a row of cells it goes on, and what is sharp in one row costs nothing in others.
 #include "job/internal.h"
 #include "kernel/context.h"
+#include "kernel/hash.h"
 #include "kernel/parallel.h"
+#include "kernel/union_find.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -63,13 +65,12 @@ void kn_job_meeting_degree(int degree[2], const kn_job *job, const kn_job_place 
 
 // ---- notes ----
 
-static uint64_t mix(uint64_t h, double x)
+static uint64_t add_number(uint64_t h, double x)
 {
     uint64_t bits;
     x += 0.0; // of -0
     memcpy(&bits, &x, sizeof bits);
-    h = (h ^ bits) * 0x9e3779b97f4a7c15u;
-    return h ^ h >> 29;
+    return kn_hash_add(h, bits);
 }
 
 // Edge `end` along variable var.
@@ -83,8 +84,8 @@ static void note_edge(note *to, const kn_bezier *d, int var, int end)
     for (int i = 0; i <= last; i++)
         for (size_t c = 0; c < 3; c++) {
             double x = d->coef[c * n + first + (size_t)i * step];
-            forward = mix(forward, x);
-            backward = mix(backward, d->coef[c * n + first + (size_t)(last - i) * step]);
+            forward = add_number(forward, x);
+            backward = add_number(backward, d->coef[c * n + first + (size_t)(last - i) * step]);
             if (c < 2 && x != 0.0) on &= ~(1 << 2 * c);
             if (c < 2 && x != 1.0) on &= ~(2 << 2 * c);
         }
@@ -169,18 +170,6 @@ static kn_status note_cell(kn_ctx *ctx, void *user, size_t index)
 // ---- what has one degree ----
 
 // Nodes: two of each patch (along r, along t), then four of each cell: what lies along its borders.
-static int root_of(int *parent, int i)
-{
-    while (parent[i] != i) i = parent[i] = parent[parent[i]];
-    return i;
-}
-
-static void unite(int *parent, int a, int b)
-{
-    int x = root_of(parent, a), y = root_of(parent, b);
-    parent[x > y ? x : y] = x > y ? y : x;
-}
-
 static int border_node(const kn_job *job, int surface, int i, int j, int border)
 {
     const struct kn_job_meeting *m = job->meeting;
@@ -213,12 +202,12 @@ static void unite_inside(const kn_job *job, int *parent, edge *edges, int surfac
             int node = (int)(2 * slot) + v;
             for (int end = 0; end < 2; end++) edges[n++] = (edge){from->edge[2 * v + end], node};
             for (int b = 0; b < 4; b++)
-                if (from->borders[v] >> b & 1) unite(parent, node, border_node(job, surface, i, j, b));
+                if (from->borders[v] >> b & 1) kn_class_unite(parent, node, border_node(job, surface, i, j, b));
         }
     }
     qsort(edges, (size_t)n, sizeof *edges, compare);
     for (int k = 1; k < n; k++)
-        if (edges[k].number == edges[k - 1].number) unite(parent, edges[k].node, edges[k - 1].node);
+        if (edges[k].number == edges[k - 1].number) kn_class_unite(parent, edges[k].node, edges[k - 1].node);
 }
 
 // Of neighbours, over the edges of the surface too.
@@ -229,9 +218,11 @@ static void unite_borders(const kn_job *job, int *parent, int surface)
     for (int i = 0; i < m; i++)
         for (int j = 0; j < n; j++) {
             if (i + 1 < m || s->closed[0])
-                unite(parent, border_node(job, surface, i, j, 1), border_node(job, surface, (i + 1) % m, j, 0));
+                kn_class_unite(parent, border_node(job, surface, i, j, 1),
+                               border_node(job, surface, (i + 1) % m, j, 0));
             if (j + 1 < n || s->closed[1])
-                unite(parent, border_node(job, surface, i, j, 3), border_node(job, surface, i, (j + 1) % n, 2));
+                kn_class_unite(parent, border_node(job, surface, i, j, 3),
+                               border_node(job, surface, i, (j + 1) % n, 2));
         }
     for (int e = 0; e < 4; e++) {
         const kn_job_partner *p = &s->partner[e];
@@ -244,8 +235,8 @@ static void unite_borders(const kn_job *job, int *parent, int surface)
             here[1 - (e >> 1)] = k;
             there[f >> 1] = f % 2 ? other->cells[f >> 1] - 1 : 0;
             there[1 - (f >> 1)] = p->reversed ? along - 1 - k : k;
-            unite(parent, border_node(job, surface, here[0], here[1], e),
-                  border_node(job, p->edge / 4, there[0], there[1], f));
+            kn_class_unite(parent, border_node(job, surface, here[0], here[1], e),
+                           border_node(job, p->edge / 4, there[0], there[1], f));
         }
     }
 }
@@ -268,11 +259,11 @@ static kn_status solve(kn_ctx *ctx, const kn_job *job)
         unite_borders(job, parent, s);
     }
     for (size_t i = 0; i < 2 * m->count && status == KN_OK; i++) {
-        int root = root_of(parent, (int)i);
+        int root = kn_class_root(parent, (int)i);
         if (m->notes[i / 2].need[i % 2] > most[root]) most[root] = m->notes[i / 2].need[i % 2];
     }
     for (size_t i = 0; i < 2 * m->count && status == KN_OK; i++) {
-        uint8_t found = most[root_of(parent, (int)i)];
+        uint8_t found = most[kn_class_root(parent, (int)i)];
         m->degree[i / 2][i % 2] = found > 0 ? found : (uint8_t)job->options.max_degree;
     }
     kn_free(ctx, parent);
@@ -283,23 +274,21 @@ static kn_status solve(kn_ctx *ctx, const kn_job *job)
 
 kn_status kn_job_find_meeting_degrees(kn_ctx *ctx, kn_job *job)
 {
-    size_t n = (size_t)job->nsurfaces, count = 0;
     // tiles that differ from cell to cell keep the largest degree
-    if (job->varying || job->tiling || job->darts || job->nvariants > 1 || job->npatches == 0) return KN_OK;
-    for (size_t s = 0; s < n; s++)
-        if (job->surfaces[s].meets)
-            count += (size_t)job->surfaces[s].cells[0] * (size_t)job->surfaces[s].cells[1] * (size_t)job->npatches;
-    if (count == 0) return KN_OK;
+    if (job->varying || job->tiling || job->darts || job->nvariants > 1) return KN_OK;
     struct kn_job_meeting *m = job->meeting = kn_alloc_zero(ctx, 1, sizeof *m);
-    if (!m) return KN_ENOMEM;
-    m->first = kn_alloc_zero(ctx, n, sizeof *m->first);
-    m->notes = kn_alloc_zero(ctx, count, sizeof *m->notes);
-    if (!m->first || !m->notes) return KN_ENOMEM;
-    for (size_t s = 0; s < n; s++) {
+    if (!m || !(m->first = kn_alloc(ctx, (size_t)job->nsurfaces, sizeof *m->first))) return KN_ENOMEM;
+    for (int s = 0; s < job->nsurfaces; s++) {
+        const kn_job_surface *on = &job->surfaces[s];
         m->first[s] = m->count;
-        if (job->surfaces[s].meets)
-            m->count += (size_t)job->surfaces[s].cells[0] * (size_t)job->surfaces[s].cells[1] * (size_t)job->npatches;
+        if (on->meets) m->count += (size_t)on->cells[0] * (size_t)on->cells[1] * (size_t)job->npatches;
     }
+    if (m->count == 0) {
+        kn_job_meeting_free(ctx, m);
+        job->meeting = NULL;
+        return KN_OK;
+    }
+    if (!(m->notes = kn_alloc_zero(ctx, m->count, sizeof *m->notes))) return KN_ENOMEM;
     m->noting = true;
     kn_status status = kn_parallel(ctx, job->ncells, note_cell, job, "degrees");
     m->noting = false;

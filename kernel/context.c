@@ -245,6 +245,16 @@ void *kn_resize(kn_ctx *ctx, void *block, size_t count, size_t size)
     return h + 1;
 }
 
+kn_status kn_make_room(kn_ctx *ctx, void **block, size_t *room, size_t need, size_t size)
+{
+    if (need <= *room) return KN_OK;
+    size_t wanted = 2 * *room > need ? 2 * *room : need + 16;
+    void *more = kn_resize(ctx, *block, wanted, size);
+    if (!more) return KN_ENOMEM;
+    *block = more, *room = wanted;
+    return KN_OK;
+}
+
 void kn_free(kn_ctx *ctx, void *block)
 {
     if (!block) return;

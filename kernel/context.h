@@ -20,6 +20,8 @@ void *kn_alloc(kn_ctx *ctx, size_t count, size_t size);
 void *kn_alloc_zero(kn_ctx *ctx, size_t count, size_t size);
 // As realloc: NULL on failure, and block stays valid.
 void *kn_resize(kn_ctx *ctx, void *block, size_t count, size_t size);
+// Room in *block, which has *room elements of size bytes, for `need` of them at least and some to come.
+kn_status kn_make_room(kn_ctx *ctx, void **block, size_t *room, size_t need, size_t size);
 
 // Scratch: an arena for the duration of one public call. Mark, take, release to the mark (stack order). Released
 // memory stays with the context, so that a steady state allocates nothing. 64-byte aligned. NULL as kn_alloc.

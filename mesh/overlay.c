@@ -163,25 +163,14 @@ typedef struct build {
     table seen, crossings;
 } build;
 
-static kn_status make_room(kn_ctx *ctx, void **array, size_t *room, size_t need, size_t size)
-{
-    if (need <= *room) return KN_OK;
-    size_t more = need + *room / 2 + 64;
-    void *grown = kn_resize(ctx, *array, more, size);
-    if (!grown) return KN_ENOMEM;
-    *array = grown;
-    *room = more;
-    return KN_OK;
-}
-
 static kn_status add_vertex(kn_ctx *ctx, build *b, const double *on_a, const double *on_b)
 {
     size_t n = b->mesh.nvertices, room = b->mesh.vertex_room;
     if (n >= none - 1) return kn_fail(ctx, KN_ELIMIT, "mesh: too many vertices");
     void *position = b->mesh.position, *target = b->target;
-    kn_status status = make_room(ctx, &position, &b->mesh.vertex_room, n + 1, 3 * sizeof(double));
+    kn_status status = kn_make_room(ctx, &position, &b->mesh.vertex_room, n + 1, 3 * sizeof(double));
     b->mesh.position = position;
-    if (status == KN_OK) status = make_room(ctx, &target, &room, n + 1, 3 * sizeof(double));
+    if (status == KN_OK) status = kn_make_room(ctx, &target, &room, n + 1, 3 * sizeof(double));
     b->target = target;
     if (status != KN_OK) return status;
     memcpy(b->mesh.position + 3 * n, on_a, 3 * sizeof *on_a);
@@ -193,8 +182,8 @@ static kn_status add_vertex(kn_ctx *ctx, build *b, const double *on_a, const dou
 static kn_status add_triangle(kn_ctx *ctx, build *b, uint32_t p, uint32_t q, uint32_t r)
 {
     void *triangle = b->mesh.triangle;
-    kn_status status = make_room(ctx, &triangle, &b->mesh.triangle_room, b->mesh.ntriangles + 1,
-                                 3 * sizeof(uint32_t));
+    kn_status status = kn_make_room(ctx, &triangle, &b->mesh.triangle_room, b->mesh.ntriangles + 1,
+                                    3 * sizeof(uint32_t));
     b->mesh.triangle = triangle;
     if (status != KN_OK) return status;
     uint32_t *t = b->mesh.triangle + 3 * b->mesh.ntriangles++;
@@ -210,7 +199,7 @@ static kn_status add_pair(kn_ctx *ctx, build *b, uint32_t p, uint32_t q)
     if (status != KN_OK || !is_new) return status;
     if (b->npairs >= MOST_FACES) return kn_fail(ctx, KN_ELIMIT, "mesh: more than %d faces", MOST_FACES);
     void *pairs = b->pairs;
-    status = make_room(ctx, &pairs, &b->pair_room, b->npairs + 1, 2 * sizeof(uint32_t));
+    status = kn_make_room(ctx, &pairs, &b->pair_room, b->npairs + 1, 2 * sizeof(uint32_t));
     b->pairs = pairs;
     if (status != KN_OK) return status;
     b->pairs[2 * b->npairs] = p, b->pairs[2 * b->npairs + 1] = q;

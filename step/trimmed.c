@@ -7,24 +7,15 @@
 
 #include <string.h>
 
-static kn_status grow(kn_ctx *ctx, void **list, size_t *room, size_t n, size_t size)
-{
-    if (n <= *room) return KN_OK;
-    size_t wanted = 2 * *room > n ? 2 * *room : n + 16;
-    void *more = kn_resize(ctx, *list, wanted, size);
-    if (!more) return KN_ENOMEM;
-    *list = more, *room = wanted;
-    return KN_OK;
-}
-
 // Room for all that one trim may have.
 static kn_status reserve(kn_ctx *ctx, kn_step_lists *l, const kn_trim_edges *t, const kn_trim *trim)
 {
     void *loops = l->loops, *edges = l->edges, *pairs = l->pairs;
-    kn_status status = grow(ctx, &loops, &l->loop_room, l->nloops + (size_t)t->nloops, sizeof *l->loops);
+    kn_status status = kn_make_room(ctx, &loops, &l->loop_room, l->nloops + (size_t)t->nloops, sizeof *l->loops);
     if (status == KN_OK)
-        status = grow(ctx, &edges, &l->edge_room, l->nedges + (size_t)trim->ncurves, sizeof *l->edges);
-    if (status == KN_OK) status = grow(ctx, &pairs, &l->pair_room, l->npairs + KN_BREP_PAIRS, sizeof *l->pairs);
+        status = kn_make_room(ctx, &edges, &l->edge_room, l->nedges + (size_t)trim->ncurves, sizeof *l->edges);
+    if (status == KN_OK)
+        status = kn_make_room(ctx, &pairs, &l->pair_room, l->npairs + KN_BREP_PAIRS, sizeof *l->pairs);
     l->loops = loops, l->edges = edges, l->pairs = pairs;
     return status;
 }

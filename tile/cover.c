@@ -5,6 +5,7 @@
 // other, and once those that certainly do not fold, turned to face up; of both each connected part for itself, so
 // that one sheet covers a box in which another one ends.
 #include "tile/cover.h"
+#include "kernel/union_find.h"
 
 #include <float.h>
 #include <math.h>
@@ -156,12 +157,6 @@ static int beyond(const sums *s, int i, int k, bool *alike)
     return s->slot[find_slot(s, piece, cell, index)] - 1;
 }
 
-static int root(int *parent, int i)
-{
-    while (parent[i] != i) i = parent[i] = parent[parent[i]];
-    return i;
-}
-
 // The bit beyond a side that cancels it, or -1.
 static int partner(const sums *s, int i, int k)
 {
@@ -186,7 +181,7 @@ static void add_side(sums *s, int i, int k)
         lo[0] = fmin(lo[0], u[j * step]), hi[0] = fmax(hi[0], u[j * step]);
         lo[1] = fmin(lo[1], v[j * step]), hi[1] = fmax(hi[1], v[j * step]);
     }
-    int part = root(s->parent, i);
+    int part = kn_class_root(s->parent, i);
     bool beside = false;
     for (int c = 0; c < 2; c++) {
         double wrong = lo[c] == hi[c] ? 0.0 : b->error[c] * (1.0 + 4.0 * DBL_EPSILON), move = b->cell[c];
@@ -208,14 +203,14 @@ static bool sum_covers(sums *s)
     for (int i = 0; i < s->n; i++)
         for (int k = 0; s->sign[i] && k < 4; k++) {
             int j = partner(s, i, k);
-            if (j >= 0) s->parent[root(s->parent, i)] = root(s->parent, j);
+            if (j >= 0) kn_class_unite(s->parent, i, j);
         }
     for (int i = 0; i < s->n; i++)
         for (int k = 0; s->sign[i] && k < 4; k++)
             if (partner(s, i, k) < 0) add_side(s, i, k);
     const double half = acos(-1.0);
     for (int i = 0; i < s->n; i++)
-        if (s->sign[i] && root(s->parent, i) == i && !s->open[i] && fabs(s->angle[i]) > half) return true;
+        if (s->sign[i] && kn_class_root(s->parent, i) == i && !s->open[i] && fabs(s->angle[i]) > half) return true;
     return false;
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // kn_tile_coverage: what of a cell the tiling covers, seen along w.
 #include "tile/cover.h"
+#include "kernel/union_find.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -46,12 +47,6 @@ static kn_status resolve(kn_ctx *ctx, kn_tile_coverage_options *o)
 
 // ---- whole sheets ----
 
-static int root(int *parent, int i)
-{
-    while (parent[i] != i) i = parent[i] = parent[parent[i]];
-    return i;
-}
-
 // The integral of u_r v_t - u_t v_r.
 static kn_status signed_area(kn_ctx *ctx, double *out, const kn_bezier *patch)
 {
@@ -87,17 +82,17 @@ static kn_status whole_sheet(kn_ctx *ctx, bool *yes, const kn_tile_net *net)
     kn_status status = parent && area && closed ? KN_OK : KN_ENOMEM;
     for (int i = 0; status == KN_OK && i < n; i++) parent[i] = i, area[i] = 0.0, closed[i] = true;
     for (int i = 0; status == KN_OK && i < 4 * n; i++)
-        if (net->sides[i].mate >= 0) parent[root(parent, i / 4)] = root(parent, net->sides[i].mate / 4);
+        if (net->sides[i].mate >= 0) kn_class_unite(parent, i / 4, net->sides[i].mate / 4);
     for (int i = 0; status == KN_OK && i < 4 * n; i++) {
         const kn_tile_side *s = &net->sides[i];
         bool joined = s->point || (s->mate >= 0 && net->sides[s->mate].mate == i && kn_tile_side_agrees(net, i));
-        if (!joined) closed[root(parent, i / 4)] = false;
+        if (!joined) closed[kn_class_root(parent, i / 4)] = false;
     }
     for (int i = 0; status == KN_OK && i < n; i++) {
         double one = 0.0;
-        if (!closed[root(parent, i)]) continue;
+        if (!closed[kn_class_root(parent, i)]) continue;
         status = signed_area(ctx, &one, &net->pieces[i].surface);
-        area[root(parent, i)] += net->pieces[i].inwards ? -one : one;
+        area[kn_class_root(parent, i)] += net->pieces[i].inwards ? -one : one;
     }
     *yes = false;
     // A whole number, but for rounding and cracks far below a half.
