@@ -191,6 +191,40 @@ static void warn_of_receivers(cli_session *session, const cli_apply *a, const kn
         }
 }
 
+// Whether a file is for CAD; so is what is only asked about.
+static bool has_cad(const cli_apply *a)
+{
+    bool cad = a->recipe.noutputs == 0;
+    for (int i = 0; i < a->recipe.noutputs; i++) cad = cad || cli_writes_cad(a->recipe.outputs[i]);
+    return cad;
+}
+
+// Whether a file holds triangles where the texture has patches.
+static bool has_triangles(const cli_apply *a)
+{
+    static const char *const endings[] = {"stl", "glb", "gltf", "pov", "vtu"}; // the last one of trimmed patches
+    bool any = false;
+    for (int i = 0; i < a->recipe.noutputs; i++) {
+        for (size_t k = 0; k < sizeof endings / sizeof *endings; k++)
+            any = any || cli_has_ending(a->recipe.outputs[i], endings[k]);
+        any = any || (cli_has_ending(a->recipe.outputs[i], "obj") && !a->obj_surfaces);
+    }
+    return any;
+}
+
+// Options for faces of CAD files. A degree above the usual one is also what patches are composed with.
+static void warn_without_cad(cli_session *session, const cli_apply *a)
+{
+    const cli_job *job = &a->recipe.layer[0];
+    if (has_cad(a)) return;
+    if (job->max_degree > 0 && job->options.max_degree == 0)
+        cli_warn(session, "--max-degree: no CAD file is written, patches keep their degrees");
+    if (job->mesh_tol.value > 0 && !has_triangles(a))
+        cli_warn(session, "--tol: neither a CAD file nor triangles are written");
+    if (job->seam_angle > 0) cli_warn(session, "--seam-angle: no CAD file is written, patches keep their normals");
+    if (job->merge) cli_warn(session, "--merge: no CAD file is written, patches stay apart");
+}
+
 // Options that mean nothing for this base and these files.
 static void warn_of_idle_options(cli_session *session, const cli_apply *a, const cli_base *base)
 {
@@ -201,6 +235,8 @@ static void warn_of_idle_options(cli_session *session, const cli_apply *a, const
         step = step || cli_has_ending(path, "step") || cli_has_ending(path, "stp") || cli_has_ending(path, "stpz");
     }
     if (job->step != KN_STEP_AP214 && !step) cli_warn(session, "--step: no STEP file is written");
+    if (job->instances && !step) cli_warn(session, "--instances: no STEP file is written");
+    warn_without_cad(session, a);
     if (base->cad.nfaces > 0) return;
     if (job->join_angle > 0.0)
         cli_warn(session, "--join-angle: %s is no CAD file, none of its surfaces are joined", job->base);
@@ -227,14 +263,6 @@ static void warn_of_curves(cli_session *session, const cli_apply *a, const kn_jo
         if (cli_has_ending(path, "stl"))
             cli_warn(session, "%s: the tile's curves are left out; .step, .obj and .glb hold them", path);
     }
-}
-
-// Whether a file is for CAD; so is what is only asked about.
-static bool has_cad(const cli_apply *a)
-{
-    bool cad = a->recipe.noutputs == 0;
-    for (int i = 0; i < a->recipe.noutputs; i++) cad = cad || cli_writes_cad(a->recipe.outputs[i]);
-    return cad;
 }
 
 // What the files will be, before anything is written.

@@ -258,20 +258,32 @@ static void idle_options(void **state)
 {
     (void)state;
     static const struct {
-        const char *option, *said; // NULL: nothing
-    } cases[] = {{"", NULL},
-                 {"--step ap242", "--step: no STEP file is written"},
-                 {"--join-angle 10", "--join-angle: data/teapot.bpt is no CAD file"},
-                 {"--trimmed clip", "--trimmed: data/teapot.bpt is no CAD file"}};
-    char stl[PATH_BYTES];
-    test_tmp_path(stl, "idle.stl");
+        const char *option, *ending, *said; // NULL: nothing
+    } cases[] = {{"", "stl", NULL},
+                 {"--step ap242", "stl", "--step: no STEP file is written"},
+                 {"--instances", "igs", "--instances: no STEP file is written"},
+                 {"--max-degree vda", "g2", "--max-degree: no CAD file is written"},
+                 {"--max-degree vda --tol 0.1 --seam-angle 2 --merge", "igs", NULL},
+                 {"--max-degree exact", "g2", NULL}, // of what is composed, too
+                 {"--seam-angle 2", "stl", "--seam-angle: no CAD file is written"},
+                 {"--merge", "stl", "--merge: no CAD file is written"},
+                 {"--tol 0.1", "stl", NULL},
+                 {"--tol 0.1", "obj", NULL},
+                 {"--tol 0.1 --obj-surfaces", "obj", "--tol: neither a CAD file nor triangles are written"},
+                 {"--tol 0.1", "g2", "--tol: neither a CAD file nor triangles are written"},
+                 {"--max-degree vda --tol 0.1 --seam-angle 2 --merge --dry-run", "igs", NULL},
+                 {"--join-angle 10", "stl", "--join-angle: data/teapot.bpt is no CAD file"},
+                 {"--trimmed clip", "stl", "--trimmed: data/teapot.bpt is no CAD file"}};
+    char out[PATH_BYTES], name[16];
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        snprintf(name, sizeof name, "idle.%s", cases[i].ending);
+        test_tmp_path(out, name);
         assert_int_equal(
-            run("apply data/teapot.bpt --faces 20 --tile straight --count 2,2 %s -o '%s'", cases[i].option, stl), 0);
-        if (cases[i].said) assert_non_null(strstr(complained, cases[i].said));
-        if (!cases[i].said) assert_null(strstr(complained, "--"));
+            run("apply data/teapot.bpt --faces 20 --tile straight --count 2,2 %s -o '%s'", cases[i].option, out), 0);
+        if (cases[i].said && !strstr(complained, cases[i].said)) fail_msg("%s: %s", cases[i].option, complained);
+        if (!cases[i].said && strstr(complained, "--")) fail_msg("%s: %s", cases[i].option, complained);
+        remove(out);
     }
-    remove(stl);
 }
 
 int main(void)
