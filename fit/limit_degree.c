@@ -459,6 +459,7 @@ static kn_status angles(kn_ctx *ctx, kn_fit_limited *report, const fit *f, const
     for (int e = 0; e < 4 && status == KN_OK; e++) {
         kn_limit_turn turn = {.goal = f->limits->angle};
         status = kn_limit_edge_angle(ctx, &turn, f, edges[e].error, e / 2, e % 2);
+        report->edge_angle[e] = turn.unknown ? INFINITY : turn.angle;
         report->unknown_angles += turn.unknown;
         if (turn.unknown) continue;
         report->angle = fmax(report->angle, turn.angle);

@@ -167,6 +167,7 @@ typedef struct kn_fit_limited {
     // the angle they had, but for the sum of theirs.
     double angle;
     int unknown_angles, wide_angles;
+    double edge_angle[4]; // of each edge, in the order of `edges`: such a bound, INFINITY where it is unknown
 } kn_fit_limited;
 
 // out = a spline over [0,1]^nvars of degree at most max_degree in each variable, within the tolerance of the piece a,
