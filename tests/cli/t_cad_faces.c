@@ -204,11 +204,12 @@ static void a_hole(void **state)
 
 // ---- an edge ----
 
-// Two squares of side 10 that meet along x = 10, the second one ten degrees up.
-static void make_roof(char path[PATH_BYTES])
+// Two squares of side 10 that meet along x = 10, the second one so many degrees up. Between its dimples that tile is at its
+// full height.
+static void make_roof(char path[PATH_BYTES], double degrees)
 {
     char g2[PATH_BYTES], text[1024];
-    const double c = 10 * cos(pi / 18), s = 10 * sin(pi / 18);
+    const double c = 10 * cos(pi / 180 * degrees), s = 10 * sin(pi / 180 * degrees);
     static const char head[] = "200 1 0 0\n3 0\n2 2\n0 0 1 1\n2 2\n0 0 1 1\n";
     test_tmp_path(g2, "roof.g2"), test_tmp_path(path, "roof.step");
     snprintf(text, sizeof text,
@@ -244,19 +245,23 @@ static void an_edge(void **state)
 {
     (void)state;
     static const struct {
+        double degrees;
         const char *options, *why; // NULL: joined
         bool high;                 // there are heights along the edge
-    } cases[] = {{"", "angle", false},
-                 {"--join-angle 9.9", "angle", false},
-                 {"--join-angle 10.1", NULL, true},
-                 {"--join-angle 180", NULL, true},
-                 {"--join-angle 10.1 --no-join", "not wanted", false},
-                 {"--no-join --trimmed keep", "not wanted", true}};
+        int shells;                // 0: one, or one for each square; joined faces with a crease open there
+    } cases[] = {{0, "", NULL, true, 1},
+                 {0, "--no-join", "not wanted", false, 1},
+                 {10, "", "angle", false, 1},
+                 {10, "--join-angle 9.9", "angle", false, 1},
+                 {10, "--join-angle 10.1", NULL, true, 0},
+                 {10, "--join-angle 180", NULL, true, 0},
+                 {10, "--join-angle 10.1 --no-join", "not wanted", false, 1},
+                 {10, "--no-join --trimmed keep", "not wanted", true, 2}};
     char base[PATH_BYTES], g2[PATH_BYTES], step[PATH_BYTES];
-    make_roof(base);
     test_tmp_path(g2, "joined.g2"), test_tmp_path(step, "joined.step");
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-        int code = run("apply '%s' --tile straight --count 4,4 --shift 0.5 --height 0.5 --body none %s --json -q "
+        make_roof(base, cases[i].degrees);
+        int code = run("apply '%s' --tile dimples --count 4,4 --height 0.5 --body none %s --json -q "
                        "-o '%s' -o '%s'",
                        base, cases[i].options, g2, step);
         if (code != 0) fail_msg("%s: %s", cases[i].options, complained);
@@ -268,9 +273,11 @@ static void an_edge(void **state)
         assert_int_equal(json_is_true(get(edge, "joined")), cases[i].why == NULL);
         if (cases[i].why) assert_string_equal(json_string_value(why), cases[i].why);
         if (!cases[i].why) assert_true(json_is_null(why));
-        assert_true(fabs(number(edge, "angle_deg") - 10) < 1e-4); // printed with six digits
+        assert_true(fabs(number(edge, "angle_deg") - cases[i].degrees) < 1e-4); // printed with six digits
         assert_true(number(edge, "moved_mm") >= 0.0 && number(edge, "moved_mm") <= 1e-12);
         json_decref(root);
+        int shells = count(step, "OPEN_SHELL(");
+        if (cases[i].shells > 0 && shells != cases[i].shells) fail_msg("%s: %d shells", cases[i].options, shells);
         double most = height_at_edge(g2, cases[i].high ? 0.5 * sin(pi / 18) + 1e-9 : 1e-9);
         if (cases[i].high ? most < 0.2 : most > 1e-9) fail_msg("%s: %g", cases[i].options, most);
     }
