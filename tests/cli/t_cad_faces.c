@@ -250,7 +250,7 @@ static void an_edge(void **state)
         bool high;                 // there are heights along the edge
         int shells;                // 0: one, or one for each square; joined faces with a crease open there
     } cases[] = {{0, "", NULL, true, 1},
-                 {0, "--no-join", "not wanted", false, 1},
+                 {0, "--no-join", "not wanted", true, 1},
                  {10, "", "angle", false, 1},
                  {10, "--join-angle 9.9", "angle", false, 1},
                  {10, "--join-angle 10.1", NULL, true, 0},
