@@ -354,14 +354,12 @@ static bool set_option(animate *a, int option, const char *value)
     case FRAMES: return cli_int("--frames", value, 1, MAX_FRAMES, &a->frames);
     case SECONDS: return cli_double("--seconds", value, &a->seconds) && cli_above_zero("--seconds", a->seconds);
     case OUTPUT:
-        if (a->recipe.noutputs == CLI_MAX_OUTPUTS || strlen(value) > MAX_TEXT - 16 ||
-            !(cli_has_ending(value, "glb") || cli_has_ending(value, "gltf") || cli_has_ending(value, "png") ||
-              cli_has_ending(value, "mp4"))) {
+        if (strlen(value) > MAX_TEXT - 16 || !(cli_has_ending(value, "glb") || cli_has_ending(value, "gltf") ||
+                                               cli_has_ending(value, "png") || cli_has_ending(value, "mp4"))) {
             cli_error("-o: expected .glb, .gltf, .png or .mp4, got '%s'", value);
             return false;
         }
-        a->recipe.outputs[a->recipe.noutputs++] = value;
-        return true;
+        return cli_take_output("-o", a->recipe.outputs, &a->recipe.noutputs, CLI_MAX_OUTPUTS, value);
     case WIDTH: return cli_int("--picture-width", value, 16, 16384, &a->width);
     case HEIGHT_OF: return cli_int("--picture-height", value, 16, 16384, &a->height);
     case SAMPLES: return cli_int("--samples", value, 1, 16384, &a->samples);

@@ -23,13 +23,8 @@ static bool set_color(check *c, const char *text)
 
 static bool add_output(check *c, const char *path)
 {
-    if (c->noutputs == sizeof c->outputs / sizeof *c->outputs) {
-        cli_error("-o: more than %d outputs", c->noutputs);
-        return false;
-    }
-    if (!check_can_draw(path)) return false;
-    c->outputs[c->noutputs++] = path;
-    return true;
+    const int most = sizeof c->outputs / sizeof *c->outputs;
+    return check_can_draw(path) && cli_take_output("-o", c->outputs, &c->noutputs, most, path);
 }
 
 static bool set_option(check *c, int option, const char *value)

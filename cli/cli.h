@@ -330,6 +330,9 @@ int cli_recipe_base(cli_recipe *recipe, const char *path);
 // Fills the recipe from a file; exit code.
 int cli_read_recipe(cli_recipe *recipe, const char *path);
 bool cli_add_output(cli_recipe *recipe, const char *name, const char *path);
+// One more output, of `most` at most; false after a message, which begins with name: there is no room, or that file is
+// an output already, maybe by another name.
+bool cli_take_output(const char *name, const char **outputs, int *n, int most, const char *path);
 // cli_job_conflict of all layers.
 const char *cli_recipe_conflict(const cli_recipe *recipe);
 

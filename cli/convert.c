@@ -50,21 +50,11 @@ static bool set_max_degree(const char *text, int *out)
 
 static bool add_output(request *r, const char *path)
 {
-    if (r->nout == CLI_MAX_OUTPUTS) {
-        cli_error("-o: more than %d outputs", CLI_MAX_OUTPUTS);
-        return false;
-    }
     if (!cli_can_write(path)) {
         cli_error("-o: no writer for '%s'; endings: %s", path, cli_writable_endings());
         return false;
     }
-    for (int i = 0; i < r->nout; i++)
-        if (strcmp(r->out[i], path) == 0) {
-            cli_error("-o: '%s' is given twice", path);
-            return false;
-        }
-    r->out[r->nout++] = path;
-    return true;
+    return cli_take_output("-o", r->out, &r->nout, CLI_MAX_OUTPUTS, path);
 }
 
 static bool set_option(request *r, int option, const char *value)

@@ -54,12 +54,7 @@ static bool add_output(slicing *s, const char *path)
 #endif
         return false;
     }
-    if (s->recipe.noutputs < CLI_MAX_OUTPUTS) {
-        s->recipe.outputs[s->recipe.noutputs++] = path;
-        return true;
-    }
-    cli_error("-o: more than %d outputs", CLI_MAX_OUTPUTS);
-    return false;
+    return cli_take_output("-o", s->recipe.outputs, &s->recipe.noutputs, CLI_MAX_OUTPUTS, path);
 }
 
 static bool set_option(slicing *s, int option, const char *value)

@@ -95,20 +95,10 @@ bool cli_shift_pair(const char *name, const char *text, double out[2])
 
 bool cli_add_output(cli_recipe *recipe, const char *name, const char *path)
 {
-    if (recipe->noutputs == CLI_MAX_OUTPUTS) {
-        cli_error("%s: more than %d outputs", name, CLI_MAX_OUTPUTS);
-        return false;
-    }
     if (!cli_can_write(path)) {
         const char *hint = cli_has_ending(path, "png") ? " (write a .glb, then 'knurl render' it)" : "";
         cli_error("%s: no writer for '%s'; endings: %s%s", name, path, cli_writable_endings(), hint);
         return false;
     }
-    for (int i = 0; i < recipe->noutputs; i++)
-        if (strcmp(recipe->outputs[i], path) == 0) {
-            cli_error("%s: '%s' is given twice", name, path);
-            return false;
-        }
-    recipe->outputs[recipe->noutputs++] = path;
-    return true;
+    return cli_take_output(name, recipe->outputs, &recipe->noutputs, CLI_MAX_OUTPUTS, path);
 }

@@ -8,6 +8,8 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 #if KN_WITH_OCCT
 #include "bridges/occt/occt_check.h"
@@ -174,6 +176,41 @@ static void faces_as_triangles(void **state)
 }
 #endif
 
+// One file by several names: before it is there, and, by what the system says of it, when it is.
+static void one_file_twice(void **state)
+{
+    (void)state;
+    char folder[PATH_BYTES], link_there[PATH_BYTES], path[PATH_BYTES + 8], other[PATH_BYTES + 8];
+    test_tmp_path(folder, "folder"), test_tmp_path(link_there, "link");
+    assert_int_equal(mkdir(folder, 0700), 0);
+    assert_int_equal(symlink(folder, link_there), 0);
+    const char *const commands[] = {"convert data/teapot.bpt",
+                                    "apply data/teapot.bpt --tile straight --count 1,1 -n"};
+    for (int there = 0; there < 2; there++) {
+        snprintf(path, sizeof path, "%s/d.g2", folder);
+        if (there) write_text(path, "");
+        for (size_t c = 0; c < sizeof commands / sizeof *commands; c++) {
+            assert_int_equal(run("%s -q -o '%s/d.g2' -o '%s/./d.g2'", commands[c], folder, folder), 2);
+            assert_non_null(strstr(complained, "is given twice, once as"));
+            assert_int_equal(run("%s -q -o '%s//d.g2' -o '%s/d.g2'", commands[c], folder, link_there), 2);
+            const char *name = strrchr(folder, '/') + 1; // another way to it
+            assert_int_equal(run("%s -q -o '%s/../%s/d.g2' -o '%s/d.g2'", commands[c], folder, name, folder), 2);
+            assert_int_equal(run("%s -q -o d.g2 -o ./d.g2", commands[c]), 2);
+            assert_non_null(strstr(complained, "once as 'd.g2'"));
+        }
+    }
+    snprintf(other, sizeof other, "%s/e.g2", folder);
+    assert_int_equal(link(path, other), 0);
+    assert_int_equal(run("convert data/teapot.bpt -q -o '%s' -o '%s'", path, other), 2);
+    remove(other);
+    assert_int_equal(run("convert data/teapot.bpt -q -o '%s' -o '%s' -o '%s/d.itd'", path, other, folder), 0);
+    assert_true(exists(path) && exists(other));
+    remove(path), remove(other), remove(link_there);
+    snprintf(path, sizeof path, "%s/d.itd", folder);
+    remove(path);
+    assert_int_equal(rmdir(folder), 0);
+}
+
 static void what_is_refused(void **state)
 {
     (void)state;
@@ -211,6 +248,7 @@ int main(void)
 #if KN_WITH_OCCT
         cmocka_unit_test(faces_as_triangles),
 #endif
+        cmocka_unit_test(one_file_twice),
         cmocka_unit_test(what_is_refused),
     };
     return cmocka_run_group_tests_name("cli/convert", tests, NULL, NULL);
