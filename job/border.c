@@ -5,6 +5,7 @@
 // point at i / p: both are curves of degree p over the same basis. Cells are affine images of their part of the
 // domain, so that the same holds on the lattice with each coordinate times the largest slope there.
 #include "job/border.h"
+#include "job/placement.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -193,12 +194,43 @@ static kn_status make_columns(kn_ctx *ctx, kn_job_border_list *b)
 
 // ---- the whole ----
 
+// |dT| <= sum_d width_d |dT/dx_d| |dx_d|; without fields T = S + w n, else T is one spline in (u, v, w).
+static kn_status find_speed(kn_ctx *ctx, double *speed, const kn_job *job, const kn_job_surface *s, double top)
+{
+    double rise[3], turn[2], square = 0.0;
+    kn_spline whole = {0};
+    kn_status status = KN_OK;
+    if (job->has_fields) {
+        double reach = fmax(top, 1e-6 * job->w_length);
+        status = kn_shell_volume(ctx, &whole, s->shell, -reach, reach);
+        if (status == KN_OK) status = kn_spline_lipschitz(ctx, rise, &whole);
+        turn[0] = turn[1] = 0.0;
+    } else {
+        status = kn_spline_lipschitz(ctx, rise, kn_shell_surface(s->shell));
+        if (status == KN_OK) status = kn_spline_lipschitz(ctx, turn, kn_shell_normal(s->shell));
+    }
+    for (int d = 0; status == KN_OK && d < 2; d++) {
+        double width = 0.0;
+        for (int i = 0; i < s->cells[d]; i++) width = fmax(width, s->lines[d][i + 1] - s->lines[d][i]);
+        square += pow(width * (rise[d] + top * turn[d]), 2.0);
+    }
+    kn_spline_clear(ctx, &whole);
+    if (status == KN_OK) *speed = sqrt(square) * (1.0 + 1e-12);
+    return status;
+}
+
+kn_status kn_job_border_speed(kn_ctx *ctx, double *speed, const kn_job *job, int surface, double top)
+{
+    const kn_job_border_list *b = &job->borders->surfaces[surface];
+    *speed = b->speed;
+    return top <= b->top ? KN_OK : find_speed(ctx, speed, job, &job->surfaces[surface], top);
+}
+
 // How fine the segments are to be on the lattice: T moves by a quarter of crossing_tol over them, about.
 static kn_status choose_tol(kn_ctx *ctx, double *tol, const kn_job *job, const kn_job_surface *s)
 {
     const double coarsest = 0x1p-8, finest = 0x1p-30;
-    double rise[2], turn[2] = {0.0, 0.0}, top = 0.0, speed = 0.0;
-    for (int k = 0; k < job->npatches; k++) top = fmax(top, job->patches[k].top);
+    double rise[2], turn[2] = {0.0, 0.0}, top = kn_job_top(job), speed = 0.0;
     kn_status status = kn_spline_lipschitz(ctx, rise, kn_shell_surface(s->shell));
     if (status == KN_OK) status = kn_spline_lipschitz(ctx, turn, kn_shell_normal(s->shell));
     for (int d = 0; d < 2; d++) {
@@ -216,7 +248,9 @@ static kn_status trace_surface(kn_ctx *ctx, kn_job *job, int surface)
     const kn_trim *trim = &job->borders->trims[s->origin];
     tracing t = {.surface = s, .out = &job->borders->surfaces[surface]};
     if (trim->nloops == 0) return KN_OK;
+    t.out->top = kn_job_has_mesh(job) ? kn_job_top(job) : -1.0;
     kn_status status = choose_tol(ctx, &t.tol, job, s);
+    if (status == KN_OK && t.out->top >= 0.0) status = find_speed(ctx, &t.out->speed, job, s, t.out->top);
     for (int d = 0; d < 2; d++) t.slope[d] = slope_of(&t.affine[d], s, d);
     for (int i = 0; status == KN_OK && i < trim->ncurves; i++) {
         kn_bezier *pieces = NULL;

@@ -18,7 +18,8 @@ typedef struct kn_job_border_list {
     int first, ncolumns; // of cells, along u
     size_t *start;       // ncolumns + 1: where the segments that a column may have begin in `index`
     uint32_t *index;
-    double off; // of the segments from the border, at most
+    double off;        // of the segments from the border, at most
+    double top, speed; // of kn_job_border_speed, where the tile has a mesh
 } kn_job_border_list;
 
 struct kn_job_borders {
@@ -35,6 +36,8 @@ kn_status kn_job_borders_init(kn_ctx *ctx, kn_job *job);
 void kn_job_borders_clear(kn_ctx *ctx, kn_job *job);
 // Where x on the lattice lies on an axis of the surface's domain, of x in [0,1] of its origin's.
 double kn_job_lattice_of(const kn_job_surface *s, int d, double x);
+// Over the domain and |w| <= top, T moves by at most *speed times the way on the lattice.
+kn_status kn_job_border_speed(kn_ctx *ctx, double *speed, const kn_job *job, int surface, double top);
 
 // ---- border_find.c ----
 bool kn_job_is_bordered(const kn_job *job, int surface); // its base is trimmed
@@ -76,11 +79,17 @@ bool kn_job_clips_trims(const kn_job *job);
 // How d, in the coordinates of the place's cell, lies to the border of the place's surface: KN_UNKNOWN, it may cross.
 kn_status kn_job_border_of_patch(kn_ctx *ctx, kn_answer *out, const kn_job_cell_plan *plan, const kn_job_place *place,
                                  const kn_bezier *d);
-// Whether a mesh of a part, placed in the plan's cell, lies in the region (*any is left as it is) or beyond (false);
-// one that may cross is refused.
-kn_status kn_job_border_of_mesh(kn_ctx *ctx, bool *any, const kn_job_cell_plan *plan, int part, const kn_mesh *mesh);
+// The cell lies in the region with all its tiles: nothing is to be cut.
+bool kn_job_border_is_whole(const kn_job_cell_plan *plan);
+// How a box on the lattice of a surface lies to its border.
+kn_status kn_job_border_of_box(kn_ctx *ctx, kn_answer *out, const kn_job *job, int surface, const double lo[2],
+                               const double hi[2]);
 // Appends what the border leaves of a leaf whose piece is there; leaf->trim is what there is of it without the border.
 kn_status kn_job_clip_leaf(kn_ctx *ctx, kn_job_cell_plan *plan, kn_job_leaf *leaf, const kn_job_place *place,
                            const kn_bezier *d);
+
+// ---- border_mesh.c ----
+// What of a mesh of a part, placed in the plan's cell, lies in the region; plan->crossing, as far as the cuts are off.
+kn_status kn_job_border_cut_mesh(kn_ctx *ctx, kn_mesh *mesh, kn_job_cell_plan *plan, int part);
 
 #endif

@@ -10,16 +10,14 @@ bool kn_job_clips_trims(const kn_job *job)
     return job->borders && job->options.trimmed != KN_TRIMMED_KEEP;
 }
 
-// Cells that lie in the region with all their tiles have nothing to be cut.
-static bool is_whole(const kn_job_cell_plan *plan)
+bool kn_job_border_is_whole(const kn_job_cell_plan *plan)
 {
     const kn_job_surface *s = &plan->job->surfaces[plan->surface];
     size_t i = s->first_cell + (size_t)plan->cell[0] * (size_t)s->cells[1] + (size_t)plan->cell[1];
     return plan->job->borders->whole[i / 64] >> i % 64 & 1;
 }
 
-// Of what lies in a box, on the lattice.
-static kn_status border_of_box(kn_ctx *ctx, kn_answer *out, const kn_job *job, int surface, const double lo[2],
+kn_status kn_job_border_of_box(kn_ctx *ctx, kn_answer *out, const kn_job *job, int surface, const double lo[2],
                                const double hi[2])
 {
     const double middle[2] = {0.5 * (lo[0] + hi[0]), 0.5 * (lo[1] + hi[1])};
@@ -33,7 +31,8 @@ kn_status kn_job_border_of_patch(kn_ctx *ctx, kn_answer *out, const kn_job_cell_
 {
     const kn_job *job = plan->job;
     *out = KN_YES;
-    if (!kn_job_clips_trims(job) || is_whole(plan) || !kn_job_is_bordered(job, place->surface)) return KN_OK;
+    if (!kn_job_clips_trims(job) || kn_job_border_is_whole(plan) || !kn_job_is_bordered(job, place->surface))
+        return KN_OK;
     if (d->nvars == 3 && job->options.trimmed == KN_TRIMMED_TAPER) return KN_OK; // flat there
     double lo[2] = {INFINITY, INFINITY}, hi[2] = {-INFINITY, -INFINITY};
     size_t n = kn_bezier_count(d);
@@ -41,32 +40,7 @@ kn_status kn_job_border_of_patch(kn_ctx *ctx, kn_answer *out, const kn_job_cell_
         lo[i / n] = fmin(lo[i / n], place->cell[i / n] + d->coef[i]);
         hi[i / n] = fmax(hi[i / n], place->cell[i / n] + d->coef[i]);
     }
-    return border_of_box(ctx, out, job, place->surface, lo, hi);
-}
-
-kn_status kn_job_border_of_mesh(kn_ctx *ctx, bool *any, const kn_job_cell_plan *plan, int part, const kn_mesh *mesh)
-{
-    const kn_job *job = plan->job;
-    const kn_job_surface *s = &job->surfaces[plan->surface];
-    if (!job->borders || job->options.trimmed != KN_TRIMMED_CLIP || is_whole(plan) || mesh->nvertices == 0 ||
-        !kn_job_is_bordered(job, plan->surface))
-        return KN_OK;
-    double lo[2] = {INFINITY, INFINITY}, hi[2] = {-INFINITY, -INFINITY};
-    for (size_t i = 0; i < mesh->nvertices; i++)
-        for (size_t d = 0; d < 2; d++) {
-            lo[d] = fmin(lo[d], plan->cell[d] + mesh->position[3 * i + d]);
-            hi[d] = fmax(hi[d], plan->cell[d] + mesh->position[3 * i + d]);
-        }
-    kn_answer answer;
-    kn_status status = border_of_box(ctx, &answer, job, plan->surface, lo, hi);
-    if (status == KN_OK && answer == KN_UNKNOWN)
-        status = kn_fail(ctx, KN_EDOMAIN,
-                         "job: the mesh of tile part \"%s\" crosses the border of surface %d in cell %d,%d: meshes "
-                         "are not cut off there; --trimmed keep keeps it whole",
-                         job->tile.parts[part].name, s->origin, s->origin_cell[0] + plan->cell[0],
-                         s->origin_cell[1] + plan->cell[1]);
-    if (answer == KN_NO) *any = false;
-    return status;
+    return kn_job_border_of_box(ctx, out, job, place->surface, lo, hi);
 }
 
 static kn_status refuse(kn_ctx *ctx, const kn_job_cell_plan *plan, const kn_job_leaf *leaf)
@@ -75,8 +49,8 @@ static kn_status refuse(kn_ctx *ctx, const kn_job_cell_plan *plan, const kn_job_
     const kn_job_surface *s = &plan->job->surfaces[plan->surface];
     return kn_fail(
         ctx, KN_EDOMAIN,
-        "job: volume %d of tile part \"%s\" crosses the border of surface %d in cell %d,%d: volumes cannot "
-        "be trimmed; --trimmed keep keeps it whole",
+        "job: volume %d of tile part \"%s\" crosses the border of surface %d in cell %d,%d: volumes cannot be "
+        "trimmed: a tile of its outside (knurl convert TILE -o OUTSIDE.step) can, --trimmed keep keeps it whole",
         p->patch, plan->job->tile.parts[p->part].name, s->origin, s->origin_cell[0] + plan->cell[0],
         s->origin_cell[1] + plan->cell[1]);
 }

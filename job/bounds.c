@@ -60,8 +60,7 @@ static kn_status take_volume(kn_ctx *ctx, kn_job_bounds_surface *to, const kn_sh
     return kn_shell_volume(ctx, &to->volume, shell, lo, hi);
 }
 
-// Of all patches; the other way round too, for a tile may go on over an edge at which n turns over.
-static void find_heights(double w[2], const kn_job *job)
+double kn_job_top(const kn_job *job)
 {
     double top = 0.0;
     for (int k = 0; k < job->npatches; k++) top = fmax(top, job->patches[k].top);
@@ -70,10 +69,10 @@ static void find_heights(double w[2], const kn_job *job)
         for (size_t i = 0; i < mesh->nvertices; i++)
             top = fmax(top, fabs(kn_job_place_w(&job->options, mesh->position[3 * i + 2])));
     }
-    w[0] = -top, w[1] = top;
+    return top;
 }
 
-static bool has_mesh(const kn_job *job)
+bool kn_job_has_mesh(const kn_job *job)
 {
     for (int p = 0; p < job->tile.nparts; p++)
         if (job->tile.parts[p].mesh.nvertices > 0) return true;
@@ -83,7 +82,8 @@ static bool has_mesh(const kn_job *job)
 kn_status kn_job_bounds_init(kn_ctx *ctx, kn_job_bounds *out, const kn_job *job)
 {
     kn_job_bounds b = {.job = job};
-    find_heights(b.w, job);
+    b.w[1] = kn_job_top(job);
+    b.w[0] = -b.w[1]; // a tile may go on over an edge at which n turns over
     b.surfaces = kn_alloc_zero(ctx, (size_t)job->nsurfaces, sizeof *b.surfaces);
     kn_status status = b.surfaces ? KN_OK : KN_ENOMEM;
     for (int s = 0; status == KN_OK && s < job->nsurfaces; s++) {
@@ -96,7 +96,7 @@ kn_status kn_job_bounds_init(kn_ctx *ctx, kn_job_bounds *out, const kn_job *job)
             status = take_volume(ctx, to, shell, b.w);
         else if (status == KN_OK)
             status = take_pieces(ctx, &to->s, kn_shell_surface(shell));
-        if (status == KN_OK && to->s.n > 0 && has_mesh(job))
+        if (status == KN_OK && to->s.n > 0 && kn_job_has_mesh(job))
             status = take_pieces(ctx, &to->n, kn_shell_normal(shell));
     }
     if (status == KN_OK)

@@ -563,6 +563,8 @@ kn_status kn_job_map_meshes(kn_ctx *ctx, kn_job_cell_plan *plan, const kn_job_in
 // ---- clip_mesh.c ----
 // Cuts off what of a mesh's (u,v) lies beyond the ends (kn_job_clip_ends), in place.
 kn_status kn_job_clip_mesh(kn_ctx *ctx, kn_mesh *mesh, const double end[2][2]);
+// Those triangles alone, and their vertices, in their order. On failure the mesh is as it was.
+kn_status kn_job_keep_triangles(kn_ctx *ctx, kn_mesh *mesh, const bool *keep);
 
 // ---- facts.c ----
 // Surface and cell of the cell numbered `index` in the job's order.

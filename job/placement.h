@@ -44,6 +44,8 @@ typedef struct kn_job_bounds {
     double w[2]; // heights of the tile as modelled, both ways
     kn_job_bounds_surface *surfaces;
 } kn_job_bounds;
+double kn_job_top(const kn_job *job); // max |w| of the tile, unvaried, length units
+bool kn_job_has_mesh(const kn_job *job);
 // The job's shells, lines and patches are there.
 kn_status kn_job_bounds_init(kn_ctx *ctx, kn_job_bounds *out, const kn_job *job);
 void kn_job_bounds_clear(kn_ctx *ctx, kn_job_bounds *bounds);

@@ -116,7 +116,7 @@ kn_status kn_mesh_add_patch(kn_ctx *ctx, kn_mesh *mesh, const kn_bezier *patch, 
     kn_mark mark = kn_scratch_mark(ctx);
     status = kn_patch_net_init(ctx, &net, patch);
     if (status == KN_OK) status = grid_init(ctx, &g, &net, segments);
-    if (status == KN_OK) status = kn_mesh_reserve(ctx, mesh, (a + 1) * (b + 1), 2 * a * b);
+    if (status == KN_OK) status = kn_mesh_reserve(ctx, mesh, (a + 1) * (b + 1), 2 * a * b, true);
     if (status == KN_OK) {
         for (int i = 0; i <= g.a; i++) {
             size_t at = 3 * (first + (size_t)i * (b + 1));

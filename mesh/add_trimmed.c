@@ -217,7 +217,7 @@ static kn_status put(kn_ctx *ctx, kn_mesh *mesh, const kn_patch_net *net, const 
     kn_status status = work ? KN_OK : KN_ENOMEM;
     if (first + (size_t)o->n > UINT32_MAX)
         status = kn_fail(ctx, KN_ELIMIT, "mesh: more than %lu vertices", (unsigned long)UINT32_MAX);
-    if (status == KN_OK) status = kn_mesh_reserve(ctx, mesh, (size_t)o->n, 2 * boxes + (size_t)rest->n);
+    if (status == KN_OK) status = kn_mesh_reserve(ctx, mesh, (size_t)o->n, 2 * boxes + (size_t)rest->n, true);
     if (status != KN_OK) return status;
     for (int k = 0; k < o->n; k++) {
         kn_mesh_place r = place_of(o->at[k][0], g->a), t = place_of(o->at[k][1], g->b);

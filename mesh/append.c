@@ -13,7 +13,7 @@ kn_status kn_mesh_append(kn_ctx *ctx, kn_mesh *mesh, const kn_mesh *a)
     if (a->nvertices > UINT32_MAX - n) return kn_fail(ctx, KN_ELIMIT, "mesh: %zu and %zu vertices", n, a->nvertices);
     if ((n > 0 && !mesh->normal) || (a->nvertices > 0 && !a->normal))
         return kn_fail(ctx, KN_EDOMAIN, "mesh: no normals");
-    kn_status status = kn_mesh_reserve(ctx, mesh, a->nvertices, a->ntriangles);
+    kn_status status = kn_mesh_reserve(ctx, mesh, a->nvertices, a->ntriangles, true);
     if (status != KN_OK) return status;
     if (a->nvertices > 0) {
         memcpy(mesh->position + 3 * n, a->position, 3 * a->nvertices * sizeof *mesh->position);

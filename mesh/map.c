@@ -4,7 +4,7 @@
 // Whether an edge is split depends on its two ends alone, and it is split in its middle: triangles that share it, of
 // one mesh or of two, agree about all that becomes of it, and the result has no gaps. A triangle none of whose edges
 // is split, and whose image is bent all the same, gets a vertex inside.
-#include "kernel/context.h"
+#include "mesh/net.h"
 
 #include <knurl/mesh.h>
 
@@ -370,11 +370,7 @@ static kn_status check(kn_ctx *ctx, const kn_mesh *mesh, const kn_mesh_map_optio
 {
     if (!(o->tolerance >= 0.0) || isinf(o->tolerance))
         return kn_fail(ctx, KN_EDOMAIN, "mesh: a tolerance of %g", o->tolerance);
-    for (size_t t = 0; t < 3 * mesh->ntriangles; t++)
-        if (mesh->triangle[t] >= mesh->nvertices)
-            return kn_fail(ctx, KN_EDOMAIN, "mesh: triangle %zu has vertex %lu of %zu", t / 3,
-                           (unsigned long)mesh->triangle[t], mesh->nvertices);
-    return KN_OK;
+    return kn_mesh_check(ctx, mesh);
 }
 
 static kn_status map_triangles(kn_ctx *ctx, mapping *m, const kn_mesh *mesh)

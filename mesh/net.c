@@ -182,17 +182,16 @@ void kn_mesh_add_triangle(kn_mesh *mesh, size_t p, size_t q, size_t r)
     corner[0] = (uint32_t)p, corner[1] = (uint32_t)q, corner[2] = (uint32_t)r;
 }
 
-// Room for this many more; a failure leaves the mesh as it was, though its arrays may be larger than they say.
-kn_status kn_mesh_reserve(kn_ctx *ctx, kn_mesh *mesh, size_t vertices, size_t triangles)
+kn_status kn_mesh_reserve(kn_ctx *ctx, kn_mesh *mesh, size_t vertices, size_t triangles, bool normals)
 {
     size_t need = mesh->nvertices + vertices, room = mesh->vertex_room + mesh->vertex_room / 2;
-    if (need > mesh->vertex_room || (need > 0 && !mesh->normal)) {
+    if (need > mesh->vertex_room || (normals && need > 0 && !mesh->normal)) {
         room = room > need ? room : need;
         double *position = kn_resize(ctx, mesh->position, room, 3 * sizeof *position);
         if (!position) return KN_ENOMEM;
         mesh->position = position;
-        double *normal = kn_resize(ctx, mesh->normal, room, 3 * sizeof *normal);
-        if (!normal) return KN_ENOMEM;
+        double *normal = normals ? kn_resize(ctx, mesh->normal, room, 3 * sizeof *normal) : NULL;
+        if (normals && !normal) return KN_ENOMEM;
         mesh->normal = normal;
         mesh->vertex_room = room;
     }
@@ -204,6 +203,15 @@ kn_status kn_mesh_reserve(kn_ctx *ctx, kn_mesh *mesh, size_t vertices, size_t tr
         mesh->triangle = triangle;
         mesh->triangle_room = room;
     }
+    return KN_OK;
+}
+
+kn_status kn_mesh_check(kn_ctx *ctx, const kn_mesh *mesh)
+{
+    for (size_t i = 0; i < 3 * mesh->ntriangles; i++)
+        if (mesh->triangle[i] >= mesh->nvertices)
+            return kn_fail(ctx, KN_EDOMAIN, "mesh: triangle %zu refers to vertex %lu of %zu", i / 3,
+                           (unsigned long)mesh->triangle[i], mesh->nvertices);
     return KN_OK;
 }
 

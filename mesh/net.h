@@ -41,8 +41,11 @@ void kn_patch_net_limit_normal(double normal[3], const kn_patch_net *net, double
 
 // A triangle, unless two of its corners coincide.
 void kn_mesh_add_triangle(kn_mesh *mesh, size_t p, size_t q, size_t r);
-// Room for this many more; a failure leaves the mesh as it was, though its arrays may be larger than they say.
-kn_status kn_mesh_reserve(kn_ctx *ctx, kn_mesh *mesh, size_t vertices, size_t triangles);
+// Room for this many more, with normals or, where the mesh has none, without; a failure leaves the mesh as it was,
+// though its arrays may be larger than they say.
+kn_status kn_mesh_reserve(kn_ctx *ctx, kn_mesh *mesh, size_t vertices, size_t triangles, bool normals);
+// KN_EDOMAIN: a triangle refers to no vertex.
+kn_status kn_mesh_check(kn_ctx *ctx, const kn_mesh *mesh);
 // What kn_mesh_add_patch asks of its operands.
 kn_status kn_mesh_check_patch(kn_ctx *ctx, const kn_mesh *mesh, const kn_bezier *patch, const int segments[2]);
 

@@ -2,6 +2,7 @@
 // What kind of surface a mesh is.
 #include "kernel/context.h"
 #include "mesh/edges.h"
+#include "mesh/net.h"
 
 #include <string.h>
 
@@ -49,10 +50,7 @@ kn_status kn_mesh_survey(kn_ctx *ctx, kn_mesh_topology *out, const kn_mesh *mesh
 {
     kn_mesh_topology t = {0};
     size_t n = mesh->nvertices;
-    for (size_t i = 0; i < 3 * mesh->ntriangles; i++)
-        if (mesh->triangle[i] >= n)
-            return kn_fail(ctx, KN_EDOMAIN, "mesh: triangle %zu refers to vertex %u of %zu", i / 3,
-                           (unsigned)mesh->triangle[i], n);
+    if (kn_mesh_check(ctx, mesh) != KN_OK) return KN_EDOMAIN;
     kn_mesh_side *sides = kn_mesh_sides(ctx, mesh);
     uint32_t *next = kn_alloc(ctx, n, sizeof *next), *parent = kn_alloc(ctx, n, sizeof *parent);
     bool *used = kn_alloc_zero(ctx, n, sizeof *used);

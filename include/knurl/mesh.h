@@ -92,6 +92,25 @@ KN_API KN_CHECKED kn_status kn_mesh_map(kn_ctx *ctx, kn_mesh *out, double *devia
 KN_API KN_CHECKED kn_status kn_mesh_add_trimmed(kn_ctx *ctx, kn_mesh *mesh, const kn_bezier *patch,
                                                 const kn_trim *trim, const int segments[2], bool reversed);
 
+// A segment in the plane of a mesh's first two coordinates.
+typedef struct kn_mesh_segment {
+    double from[2], to[2];
+} kn_mesh_segment;
+// Cuts triangles, in place, so that no segment runs through the inside of one: the mesh stays what it was, point by
+// point, and its triangles lie wholly on either side of each segment, seen along the third coordinate. They may stand
+// upright, or lie over one another.
+// in:     near > 0: what lies within it of a vertex or a segment counts as on it.
+// out:    vertices as they were, then new ones, where edges cross segments and at ends of segments. A new vertex on an
+//         edge, and its normal, depend on the edge's two ends and the segments alone, in whatever order these come:
+//         two triangles with one edge, of one mesh or two, agree bit for bit. Coordinates that both ends of the edge,
+//         or of the segment, have in common are kept.
+// fails:  KN_EDOMAIN near, a segment that is not finite, a triangle that refers to no vertex; KN_ELIMIT 2^24 triangles,
+//         2^32 - 1 vertices; KN_ENOMEM, KN_ECANCELLED; the mesh is unchanged.
+// error:  new vertices lie on their segments to rounding, moved by `near` at most across an edge that passes its end.
+// cost:   n boxes of triangles for each segment.
+KN_API KN_CHECKED kn_status kn_mesh_cut(kn_ctx *ctx, kn_mesh *mesh, const kn_mesh_segment *segments, size_t n,
+                                        double near);
+
 // What kind of surface a mesh is. Of one component without irregular edges: euler = 2 - 2 genus - loops.
 typedef struct kn_mesh_topology {
     size_t vertices, edges; // of its triangles

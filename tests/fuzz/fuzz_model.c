@@ -122,6 +122,24 @@ static kn_status bend(kn_ctx *ctx, void *user, double point[3], double *normal, 
     return KN_OK;
 }
 
+// A mesh cut along any segments: triangles have vertices still.
+static void cut(feed *f, const kn_mesh *mesh)
+{
+    kn_mesh out = {0};
+    kn_mesh_segment segments[6];
+    int n = feed_int(f, 0, 6);
+    for (int i = 0; i < n; i++) // often in a chain
+        for (int d = 0; d < 2; d++) {
+            segments[i].from[d] = i > 0 && feed_byte(f) % 4 ? segments[i - 1].to[d] : coordinate(f);
+            segments[i].to[d] = coordinate(f);
+        }
+    if (kn_mesh_copy(f->ctx, &out, mesh) != KN_OK) abort();
+    feed_any(kn_mesh_cut(f->ctx, &out, segments, (size_t)n, feed_byte(f) % 4 ? 1e-9 : feed_number(f)));
+    for (size_t i = 0; i < 3 * out.ntriangles; i++)
+        if (out.triangle[i] >= out.nvertices) abort();
+    kn_mesh_clear(f->ctx, &out);
+}
+
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
     feed f = feed_begin(data, size);
@@ -146,6 +164,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     feed_any(kn_mesh_map_by(f.ctx, &out, NULL, &tile.parts[0].mesh, bend, NULL, &o));
     kn_mesh_clear(f.ctx, &out);
     run(&f, &copy);
+    cut(&f, &tile.parts[0].mesh);
     kn_tile_clear(f.ctx, &tile), kn_tile_clear(f.ctx, &copy);
     feed_end(&f);
     return 0;

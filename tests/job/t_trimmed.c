@@ -5,6 +5,7 @@
 
 #include "tests/support/scene.h"
 #include "tests/support/surfaces.h"
+#include "tests/support/trims.h"
 #include "kernel/context.h"
 
 #include <knurl/knurl.h>
@@ -12,7 +13,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { NU = 24, NV = 20, DENSE = 96 }; // points along one curve
+enum { NU = 24, NV = 20 };
 
 typedef struct scene {
     test_memory memory;
@@ -23,118 +24,13 @@ typedef struct scene {
     kn_job_options o;
 } scene;
 
-// ---- trims ----
-
-static void add_curve(kn_ctx *ctx, kn_trim *trim, int degree, const double *x, const double *y)
-{
-    double knots[2 * 4], coef[2 * 4];
-    const int count = degree + 1;
-    for (int i = 0; i <= degree; i++) {
-        knots[i] = 0, knots[count + i] = 1;
-        coef[i] = x[i], coef[count + i] = y[i];
-    }
-    kn_spline *curves = kn_resize(ctx, trim->curves, (size_t)trim->ncurves + 1, sizeof *curves);
-    assert_non_null(curves);
-    trim->curves = curves;
-    curves[trim->ncurves] = (kn_spline){0};
-    assert_int_equal(kn_spline_init(ctx, &curves[trim->ncurves++], 1, 2, false, &degree, &count,
-                                    (const double *const[]){knots}, coef),
-                     KN_OK);
-}
-
-static void end_loop(kn_ctx *ctx, kn_trim *trim)
-{
-    int *ends = kn_resize(ctx, trim->loop_end, (size_t)trim->nloops + 1, sizeof *ends);
-    assert_non_null(ends);
-    trim->loop_end = ends;
-    ends[trim->nloops++] = trim->ncurves;
-}
-
-static void add_box(kn_ctx *ctx, kn_trim *trim, double x0, double y0, double x1, double y1)
-{
-    const double x[5] = {x0, x1, x1, x0, x0}, y[5] = {y0, y0, y1, y1, y0};
-    for (int k = 0; k < 4; k++) add_curve(ctx, trim, 1, x + k, y + k);
-    end_loop(ctx, trim);
-}
-
-// A closed curve of four cubics, nearly an ellipse; a hole runs clockwise.
-static void add_oval(kn_ctx *ctx, kn_trim *trim, double cx, double cy, double a, double b, bool hole)
-{
-    static const double c[5] = {1, 0, -1, 0, 1}, s[5] = {0, 1, 0, -1, 0}, k = 0.5522847498;
-    for (int q = 0; q < 4; q++) {
-        int i = hole ? 4 - q : q, j = hole ? 3 - q : q + 1;
-        double t = hole ? -k : k;
-        const double x[4] = {cx + a * c[i], cx + a * (c[i] - t * s[i]), cx + a * (c[j] + t * s[j]), cx + a * c[j]};
-        const double y[4] = {cy + b * s[i], cy + b * (s[i] + t * c[i]), cy + b * (s[j] - t * c[j]), cy + b * s[j]};
-        add_curve(ctx, trim, 3, x, y);
-    }
-    end_loop(ctx, trim);
-}
-
-static void plate_with_hole(kn_ctx *ctx, kn_trim *trim)
-{
-    add_box(ctx, trim, 0, 0, 1, 1);
-    add_oval(ctx, trim, 0.45, 0.52, 0.23, 0.27, true);
-}
-
-static void disc(kn_ctx *ctx, kn_trim *trim)
-{
-    add_oval(ctx, trim, 0.5, 0.47, 0.38, 0.41, false);
-}
-
-static void bay(kn_ctx *ctx, kn_trim *trim) // one side of the square, and a border that bends both ways
-{
-    const double x[4] = {1, 0.9, 0.3, 0}, y[4] = {0.3, 0.9, 0.1, 0.8};
-    add_curve(ctx, trim, 1, (const double[]){0, 1}, (const double[]){0, 0});
-    add_curve(ctx, trim, 1, (const double[]){1, 1}, (const double[]){0, 0.3});
-    add_curve(ctx, trim, 3, x, y);
-    add_curve(ctx, trim, 1, (const double[]){0, 0}, (const double[]){0.8, 0});
-    end_loop(ctx, trim);
-}
-
-static double bezier(const double *c, int degree, double t)
-{
-    double x[4];
-    memcpy(x, c, ((size_t)degree + 1) * sizeof *x);
-    for (int m = degree; m > 0; m--)
-        for (int n = 0; n < m; n++) x[n] = (1 - t) * x[n] + t * x[n + 1];
-    return x[0];
-}
-
-// The same borders as many points, for each curve DENSE + 1 of them.
-static double *dense(const kn_trim *trim)
-{
-    double *p = malloc((size_t)trim->ncurves * (DENSE + 1) * 2 * sizeof *p);
-    assert_non_null(p);
-    for (int i = 0; i < trim->ncurves; i++) {
-        const kn_spline *c = &trim->curves[i];
-        for (int k = 0; k <= DENSE; k++)
-            for (int d = 0; d < 2; d++)
-                p[2 * (i * (DENSE + 1) + k) + d] = bezier(c->coef + d * c->count[0], c->degree[0], (double)k / DENSE);
-    }
-    return p;
-}
-
-static bool is_inside(const kn_trim *trim, const double *points, double x, double y)
-{
-    int winding = 0;
-    for (int i = 0; i < trim->ncurves; i++)
-        for (int k = 0; k < DENSE; k++) {
-            const double *p = points + 2 * (i * (DENSE + 1) + k), *q = p + 2;
-            double left = (q[0] - p[0]) * (y - p[1]) - (q[1] - p[1]) * (x - p[0]);
-            if (p[1] <= y && q[1] > y && left > 0) winding++;
-            if (p[1] > y && q[1] <= y && left < 0) winding--;
-        }
-    return winding > 0;
-}
-
 // The least distance of (x,y), u and v as many times as cells, from borders that are no sides of the square.
 static double from_border(const kn_trim *trim, const double *points, double x, double y)
 {
     double least = INFINITY;
     for (int i = 0; i < trim->ncurves; i++)
-        for (int k = 0; k < DENSE; k++) {
-            const double *p = points + 2 * (i * (DENSE + 1) + k), *q = p + 2;
+        for (int k = 0; k < TRIMS_DENSE; k++) {
+            const double *p = points + 2 * (i * (TRIMS_DENSE + 1) + k), *q = p + 2;
             bool side = false;
             for (int d = 0; d < 2; d++) side = side || (p[d] == q[d] && (p[d] == 0 || p[d] == 1));
             if (side) continue;
@@ -144,21 +40,6 @@ static double from_border(const kn_trim *trim, const double *points, double x, d
             if (square < least) least = square;
         }
     return sqrt(least);
-}
-
-// The integral of x dy, of degree 5: three places by Gauss are exact.
-static double area_of(const kn_trim *trim)
-{
-    static const double at[3] = {0.11270166537925831, 0.5, 0.88729833462074169}, weight[3] = {5, 8, 5};
-    double area = 0;
-    for (int i = 0; i < trim->ncurves; i++) {
-        const double *x = trim->curves[i].coef;
-        int p = trim->curves[i].degree[0];
-        double dy[3];
-        for (int k = 0; k < p; k++) dy[k] = p * (x[p + 2 + k] - x[p + 1 + k]);
-        for (int k = 0; k < 3; k++) area += weight[k] / 18 * bezier(x, p, at[k]) * bezier(dy, p - 1, at[k]);
-    }
-    return area;
 }
 
 // ---- scenes ----
@@ -192,7 +73,7 @@ static kn_job *make_job(scene *s, scene_result *r)
     return job;
 }
 
-static void (*const trims[])(kn_ctx *, kn_trim *) = {plate_with_hole, disc, bay};
+static void (*const trims[])(kn_ctx *, kn_trim *) = {trims_plate_with_hole, trims_disc, trims_bay};
 
 // How much of a cell the region has, by a grid of points: 0, all, or something.
 static int share(const kn_trim *trim, const double *points, int i, int j)
@@ -201,8 +82,8 @@ static int share(const kn_trim *trim, const double *points, int i, int j)
     int in = 0;
     for (int k = 0; k <= N; k++)
         for (int m = 0; m <= N; m++)
-            in += is_inside(trim, points, fmin((i + (double)k / N) / NU, 1 - 1e-9) + 1e-10,
-                            fmin((j + (double)m / N) / NV, 1 - 1e-9) + 1e-10);
+            in += trims_is_inside(trim, points, fmin((i + (double)k / N) / NU, 1 - 1e-9) + 1e-10,
+                                  fmin((j + (double)m / N) / NV, 1 - 1e-9) + 1e-10);
     return in == 0 ? 0 : in == (N + 1) * (N + 1) ? 2 : 1;
 }
 
@@ -216,7 +97,7 @@ static void cells_that_touch_stay(void **state)
         scene_result r = {0};
         static bool has[NU][NV];
         begin(&s, t == 1 ? make_wavy : make_plane, scene_plate, trims[t]);
-        double *points = dense(&s.trim);
+        double *points = trims_dense(&s.trim);
         kn_job *job = make_job(&s, &r);
         memset(has, 0, sizeof has);
         for (size_t i = 0; i < r.count; i++) {
@@ -254,13 +135,13 @@ static void all_of_it_is_no_trim(void **state)
     (void)state;
     scene s;
     scene_result all = {0}, r = {0};
-    begin(&s, make_wavy, scene_dome, plate_with_hole);
+    begin(&s, make_wavy, scene_dome, trims_plate_with_hole);
     s.o.trims = NULL;
     kn_job_destroy(s.ctx, make_job(&s, &all));
     kn_trim_clear(s.ctx, &s.trim);
     s.o.trims = &s.trim;
     for (int k = 0; k < 4; k++) {
-        if (k == 1) add_box(s.ctx, &s.trim, 0, 0, 1, 1);
+        if (k == 1) trims_add_box(s.ctx, &s.trim, 0, 0, 1, 1);
         s.o.trimmed = k == 2 ? KN_TRIMMED_CLIP : KN_TRIMMED_KEEP;
         kn_job_destroy(s.ctx, make_job(&s, &r));
         assert_int_equal(r.count, all.count);
@@ -281,11 +162,11 @@ static void heights_fall_off(void **state)
     for (int covering = 0; covering < 2; covering++) {
         scene s;
         scene_result r = {0};
-        begin(&s, make_plane, scene_dome, plate_with_hole);
+        begin(&s, make_plane, scene_dome, trims_plate_with_hole);
         s.o.trimmed = KN_TRIMMED_TAPER;
         s.o.taper = 0.5;
         s.tile.covering = covering;
-        double *points = dense(&s.trim), most = 0;
+        double *points = trims_dense(&s.trim), most = 0;
         kn_job *job = make_job(&s, &r);
         size_t crossed = 0;
         for (size_t i = 0; i < r.count; i++) {
@@ -325,22 +206,6 @@ typedef struct cut_parts {
     size_t trimmed;
 } cut_parts;
 
-// Distance from the region, its sides included.
-static double off_region(const cut_parts *c, double u, double v)
-{
-    double least = INFINITY;
-    if (is_inside(c->trim, c->points, u, v)) return 0;
-    for (int i = 0; i < c->trim->ncurves; i++)
-        for (int k = 0; k < DENSE; k++) {
-            const double *p = c->points + 2 * (i * (DENSE + 1) + k), *q = p + 2;
-            double a = (q[0] - p[0]) * 2, b = (q[1] - p[1]) * 3, x = (u - p[0]) * 2, y = (v - p[1]) * 3;
-            double t = fmin(fmax((a * x + b * y) / (a * a + b * b), 0), 1);
-            double dx = x - t * a, dy = y - t * b, square = dx * dx + dy * dy;
-            if (square < least) least = square;
-        }
-    return sqrt(least);
-}
-
 static kn_status measure_block(kn_ctx *ctx, void *user, const kn_patch_block *block, void *product)
 {
     (void)ctx, (void)product;
@@ -361,7 +226,7 @@ static kn_status measure_block(kn_ctx *ctx, void *user, const kn_patch_block *bl
                 double r = curve->coef[m], t = curve->coef[curve->count[0] + m];
                 double px = x[0] + r * (x[1] - x[0]) + t * (x[2] - x[0]);
                 double py = y[0] + r * (y[1] - y[0]) + t * (y[2] - y[0]);
-                c->off = fmax(c->off, off_region(c, px / 2, py / 3));
+                c->off = fmax(c->off, trims_off(c->trim, c->points, px / 2, py / 3));
             }
         }
     }
@@ -388,7 +253,7 @@ static void areas_agree(void **state)
             s.o.trimmed = KN_TRIMMED_CLIP;
             s.o.crossing_tol = 1e-4;
             if (t == 2) s.o.count[0] = 3, s.o.count[1] = 2; // long borders in one patch
-            double *points = dense(&s.trim);
+            double *points = trims_dense(&s.trim);
             kn_job *job = NULL;
             cut_parts parts = {&s.trim, points, 0, 0, 0};
             kn_sink sink = {.user = &parts, .commit = measure_block};
@@ -398,7 +263,7 @@ static void areas_agree(void **state)
             assert_true(report.crossing_error > 0 && report.crossing_error <= 1e-4);
             assert_true(parts.trimmed > 4 && report.trim_curves > 3);
             // the region's border is 5 long at most; dense points are 1e-4 off a curve
-            assert_true(fabs(parts.area - 6 * area_of(&s.trim)) <= 5 * report.crossing_error);
+            assert_true(fabs(parts.area - 6 * trims_area(&s.trim)) <= 5 * report.crossing_error);
             assert_true(parts.off <= report.crossing_error + 2e-4);
             kn_job_destroy(s.ctx, job);
             free(points);
@@ -419,7 +284,7 @@ static void blob(kn_ctx *ctx, kn_trim *trim)
                                     (const double *const[]){knots}, coef),
                      KN_OK);
     trim->ncurves = 1;
-    end_loop(ctx, trim);
+    trims_end_loop(ctx, trim);
 }
 
 // The same as cubics.
@@ -432,10 +297,10 @@ static void blob_pieces(kn_ctx *ctx, kn_trim *trim)
     assert_int_equal(kn_spline_to_bezier(ctx, &pieces, &n, &whole.curves[0]), KN_OK);
     assert_int_equal(n, 5);
     for (size_t i = 0; i < n; i++) {
-        add_curve(ctx, trim, 3, pieces[i].coef, pieces[i].coef + 4);
+        trims_add_curve(ctx, trim, 3, pieces[i].coef, pieces[i].coef + 4);
         kn_bezier_clear(ctx, &pieces[i]);
     }
-    end_loop(ctx, trim);
+    trims_end_loop(ctx, trim);
     kn_free(ctx, pieces);
     kn_trim_clear(ctx, &whole);
 }
@@ -480,7 +345,7 @@ static double grid_share(const hang *h, const int cell[2])
     double at[2];
     for (int k = 0; k < GRID * GRID; k++) {
         in_base(h, cell, (k / GRID + 0.5) / GRID, (k % GRID + 0.5) / GRID, at);
-        in += is_inside(h->parts.trim, h->parts.points, at[0], at[1]);
+        in += trims_is_inside(h->parts.trim, h->parts.points, at[0], at[1]);
     }
     return (double)in / (GRID * GRID);
 }
@@ -499,7 +364,7 @@ static kn_status hang_block(kn_ctx *ctx, void *user, const kn_patch_block *block
             add_hash(h, c->coef, 2 * kn_spline_count(c));
             for (int m = 0; h->look && m < c->count[0]; m += 20) {
                 in_base(h, p->id.cell, c->coef[m], c->coef[c->count[0] + m], at);
-                h->parts.off = fmax(h->parts.off, off_region(&h->parts, at[0], at[1]));
+                h->parts.off = fmax(h->parts.off, trims_off(h->parts.trim, h->parts.points, at[0], at[1]));
             }
         }
         h->parts.trimmed += p->trim != NULL;
@@ -525,7 +390,7 @@ static void overhangs_are_cut(void **state)
         s.o.count[0] = 4, s.o.count[1] = 3;
         s.o.trimmed = KN_TRIMMED_CLIP;
         s.o.crossing_tol = 1e-3;
-        double *points = dense(&pieces);
+        double *points = trims_dense(&pieces);
         hang h = {.s = &s, .look = threads == 1, .parts = {.trim = &pieces, .points = points}};
         kn_sink sink = {.user = &h, .commit = hang_block};
         if (kn_job_create(ctx, &job, &s.base, 1, &s.tile, &s.o) != KN_OK) fail_msg("%s", kn_ctx_message(ctx));
@@ -571,7 +436,7 @@ static void little_memory(void **state)
     enum { PLACES = 10 };
     (void)state;
     scene s;
-    begin(&s, make_plane, flat_cover, disc);
+    begin(&s, make_plane, flat_cover, trims_disc);
     s.o.count[0] = 1, s.o.count[1] = 1;
     s.o.trimmed = KN_TRIMMED_CLIP;
     s.o.crossing_tol = 0.05;
@@ -594,7 +459,7 @@ static void bad_trims(void **state)
     (void)state;
     scene s;
     kn_job *job = NULL;
-    begin(&s, make_plane, scene_plate, disc);
+    begin(&s, make_plane, scene_plate, trims_disc);
     s.o.trimmed = (kn_job_trimmed)7;
     assert_int_equal(kn_job_create(s.ctx, &job, &s.base, 1, &s.tile, &s.o), KN_EDOMAIN);
     s.o.trimmed = KN_TRIMMED_KEEP;
