@@ -71,6 +71,10 @@ static const char *resume_conflict(const cli_apply *a)
         if (cli_has_ending(a->recipe.outputs[i], "glb") || cli_has_ending(a->recipe.outputs[i], "gltf"))
             return "--resume: a glTF file is held in memory until its end: write .step, .stl or .obj, or without "
                    "--resume";
+    for (int i = 0; i < a->recipe.noutputs; i++)
+        if (cli_has_ending(a->recipe.outputs[i], "stpz") || cli_has_ending(a->recipe.outputs[i], "3dm") ||
+            cli_has_ending(a->recipe.outputs[i], "mesh"))
+            return "--resume: .stpz, .3dm and .mesh files cannot be gone on with: write .step, or without --resume";
     return NULL;
 }
 

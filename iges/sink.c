@@ -157,7 +157,10 @@ static kn_status iges_end(kn_ctx *ctx, void *user)
              (unsigned long long)s->lines[1], (unsigned long long)(2 * s->join.next),
              (unsigned long long)s->join.lines, "", 1);
     if (status == KN_OK) status = kn_out_write(ctx, s->file, line, KN_IGES_LINE_BYTES);
-    return status == KN_OK ? kn_out_commit(ctx, s->file) : status;
+    if (status != KN_OK) return status;
+    status = kn_out_commit(ctx, s->file);
+    if (status != KN_OK) kn_out_forget(s->file); // nobody can go on without the parameters
+    return status;
 }
 
 static void iges_close(kn_ctx *ctx, void *user)
@@ -201,6 +204,12 @@ static kn_status iges_restore(kn_ctx *ctx, void *user, const kn_tile *tile, cons
     if (status == KN_OK) status = kn_out_restore(ctx, s->parameters, &r);
     if (status == KN_OK) status = kn_iges_join_restore(ctx, &s->join, &r);
     return status == KN_OK && r.bytes > 0 ? kn_state_fail(ctx, "IGES") : status;
+}
+
+static void iges_forget(void *user)
+{
+    iges *s = user;
+    kn_out_forget(s->file), kn_out_forget(s->parameters);
 }
 
 // "2026-01-02T03:04:05" as "20260102.030405".
@@ -247,7 +256,7 @@ kn_status kn_iges_sink(kn_ctx *ctx, kn_sink *out, const char *path, const kn_ige
         iges_close(ctx, s);
         return status;
     }
-    *out = (kn_sink){s,        iges_begin, iges_work,  iges_commit, iges_discard,
-                     iges_end, iges_close, iges_bytes, iges_save,   iges_restore};
+    *out = (kn_sink){s,          iges_begin, iges_work, iges_commit,  iges_discard, iges_end,
+                     iges_close, iges_bytes, iges_save, iges_restore, iges_forget};
     return KN_OK;
 }

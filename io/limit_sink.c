@@ -325,6 +325,13 @@ static kn_status limit_restore(kn_ctx *ctx, void *user, const kn_tile *tile, con
     return status;
 }
 
+static void limit_forget(void *user)
+{
+    const limit *l = user;
+    for (int k = 0; k < l->nsinks; k++)
+        if (l->sinks[k].forget) l->sinks[k].forget(l->sinks[k].user);
+}
+
 // ---- life ----
 
 static kn_status check(kn_ctx *ctx, const kn_sink *sinks, int n, const kn_limit_options *o)
@@ -368,6 +375,7 @@ kn_status kn_limit_sink(kn_ctx *ctx, kn_sink *out, const kn_sink *sinks, int n, 
                      .close = limit_close,
                      .bytes = limit_bytes,
                      .save = can_save ? limit_save : NULL,
-                     .restore = can_save ? limit_restore : NULL};
+                     .restore = can_save ? limit_restore : NULL,
+                     .forget = limit_forget};
     return KN_OK;
 }

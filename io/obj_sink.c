@@ -205,7 +205,10 @@ static kn_status obj_end(kn_ctx *ctx, void *user)
 {
     obj *o = user;
     kn_status status = kn_out_commit(ctx, o->materials); // first: the other file refers to it
-    return status == KN_OK ? kn_out_commit(ctx, o->file) : status;
+    if (status != KN_OK) return status;
+    status = kn_out_commit(ctx, o->file);
+    if (status != KN_OK) kn_out_forget(o->file); // nobody can go on without the other
+    return status;
 }
 
 static void obj_close(kn_ctx *ctx, void *user)
@@ -245,6 +248,12 @@ static kn_status obj_restore(kn_ctx *ctx, void *user, const kn_tile *tile, const
     return status == KN_OK && r.bytes > 0 ? kn_state_fail(ctx, "OBJ") : status;
 }
 
+static void obj_forget(void *user)
+{
+    obj *o = user;
+    kn_out_forget(o->file), kn_out_forget(o->materials);
+}
+
 // path with its ending replaced by .mtl (added, when it has none) in *whole, and the place of its last part.
 static kn_status library_name(kn_ctx *ctx, char **whole, size_t *last, const char *path)
 {
@@ -275,8 +284,8 @@ kn_status kn_obj_open(kn_ctx *ctx, kn_sink *out, const char *path, kn_obj_patch 
         return status;
     }
     memmove(o->library, o->library + last, strlen(o->library + last) + 1);
-    *out = (kn_sink){o,       obj_begin, obj_work,  obj_commit, obj_discard,
-                     obj_end, obj_close, obj_bytes, obj_save,   obj_restore};
+    *out = (kn_sink){o,         obj_begin, obj_work, obj_commit,  obj_discard, obj_end,
+                     obj_close, obj_bytes, obj_save, obj_restore, obj_forget};
     return KN_OK;
 }
 

@@ -199,6 +199,11 @@ kn_status kn_out_save(kn_ctx *ctx, kn_out_file *file, kn_state *state)
     return state->failed ? KN_ENOMEM : KN_OK;
 }
 
+void kn_out_forget(kn_out_file *file)
+{
+    file->kept = false;
+}
+
 // The temporary name of this path with another number: nothing else may be cut.
 static bool is_ours(const kn_out_file *file, const char *name, size_t bytes)
 {

@@ -42,6 +42,8 @@ KN_CHECKED kn_status kn_out_save(kn_ctx *ctx, kn_out_file *file, kn_state *state
 // has written is forgotten. fails: KN_EIO, KN_EDOMAIN a state of another path, a file that is shorter; file
 // unchanged.
 KN_CHECKED kn_status kn_out_restore(kn_ctx *ctx, kn_out_file *file, kn_state_reader *state);
+// Takes kn_out_save back: nobody can go on with what is written so far.
+void kn_out_forget(kn_out_file *file);
 // Frees the handle, and removes the file unless it was committed or saved. NULL is fine.
 void kn_out_close(kn_ctx *ctx, kn_out_file *file);
 

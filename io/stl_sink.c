@@ -180,14 +180,20 @@ static kn_status stl_restore(kn_ctx *ctx, void *user, const kn_tile *tile, const
     return KN_OK;
 }
 
+static void stl_forget(void *user)
+{
+    stl *s = user;
+    kn_out_forget(s->file);
+}
+
 kn_status kn_stl_sink(kn_ctx *ctx, kn_sink *out, const char *path)
 {
     stl *s = kn_alloc_zero(ctx, 1, sizeof *s);
     if (s == NULL) return KN_ENOMEM;
     kn_status status = kn_out_open(ctx, &s->file, path);
     if (status == KN_OK)
-        *out = (kn_sink){s,       stl_begin, stl_work,  stl_commit, stl_discard,
-                         stl_end, stl_close, stl_bytes, stl_save,   stl_restore};
+        *out = (kn_sink){s,         stl_begin, stl_work, stl_commit,  stl_discard, stl_end,
+                         stl_close, stl_bytes, stl_save, stl_restore, stl_forget};
     else
         kn_free(ctx, s);
     return status;

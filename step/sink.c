@@ -241,6 +241,12 @@ static kn_status step_restore(kn_ctx *ctx, void *user, const kn_tile *tile, cons
     return status == KN_OK && r.bytes > 0 ? kn_state_fail(ctx, "STEP") : status;
 }
 
+static void step_forget(void *user)
+{
+    step *s = user;
+    kn_out_forget(s->file);
+}
+
 static kn_status copy_options(kn_ctx *ctx, step *s, const kn_step_options *o)
 {
     kn_step_about *about = &s->about;
@@ -282,8 +288,8 @@ kn_status kn_step_sink(kn_ctx *ctx, kn_sink *out, const char *path, const kn_ste
         step_close(ctx, s);
         return status;
     }
-    *out = (kn_sink){s,        step_begin, step_work,  step_commit, step_discard,
-                     step_end, step_close, step_bytes, step_save,   step_restore};
+    *out = (kn_sink){s,          step_begin, step_work, step_commit,  step_discard, step_end,
+                     step_close, step_bytes, step_save, step_restore, step_forget};
     if (o.instances) out->save = NULL, out->restore = NULL;
     return KN_OK;
 }

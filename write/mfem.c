@@ -264,7 +264,7 @@ kn_status kn_mfem_sink(kn_ctx *ctx, kn_sink *out, const char *path)
     kn_status status = kn_out_open(ctx, &m->file, path);
     if (status == KN_OK) status = kn_out_open_beside(ctx, &m->patches, m->file, ".patches");
     if (status == KN_OK)
-        *out = (kn_sink){m, begin, work, commit, discard, end, close, bytes_so_far, NULL, NULL};
+        *out = (kn_sink){m, begin, work, commit, discard, end, close, bytes_so_far, NULL, NULL, NULL};
     else
         close(ctx, m);
     return status;

@@ -316,6 +316,12 @@ static kn_status restore(kn_ctx *ctx, void *user, const kn_tile *tile, const kn_
     return KN_OK;
 }
 
+static void forget(void *user)
+{
+    kn_write_text *w = user;
+    kn_out_forget(w->file);
+}
+
 kn_status kn_write_text_sink(kn_ctx *ctx, kn_sink *out, const char *path, const kn_write_format *format)
 {
     kn_write_text *w = kn_alloc_zero(ctx, 1, sizeof *w);
@@ -324,7 +330,7 @@ kn_status kn_write_text_sink(kn_ctx *ctx, kn_sink *out, const char *path, const 
     for (int c = 0; c < 3; c++) w->lo[c] = INFINITY, w->hi[c] = -INFINITY;
     kn_status status = kn_out_open(ctx, &w->file, path);
     if (status == KN_OK)
-        *out = (kn_sink){w, begin, work, commit, discard, end, close, bytes_so_far, save, restore};
+        *out = (kn_sink){w, begin, work, commit, discard, end, close, bytes_so_far, save, restore, forget};
     else
         kn_free(ctx, w);
     return status;

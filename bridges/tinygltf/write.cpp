@@ -232,6 +232,6 @@ kn_status kn_gltf_sink(kn_ctx *ctx, kn_sink *out, const char *path, const kn_glt
         return status;
     }
     memcpy(s->name, name, strlen(name) + 1);
-    *out = kn_sink{s, begin, work, commit, discard, end, close_sink, bytes, nullptr, nullptr};
+    *out = kn_sink{s, begin, work, commit, discard, end, close_sink, bytes, nullptr, nullptr, nullptr};
     return KN_OK;
 }

@@ -139,10 +139,11 @@ KN_API KN_CHECKED kn_status kn_limit_sink(kn_ctx *ctx, kn_sink *out, const kn_si
 // kn_job_run, or of several layers kn_job_run_layers, that can be interrupted: at once, and every `seconds` (0: 5;
 // negative: after each block), how far it is goes to the file at `journal` (by convention the output's path and
 // ".journal"), which is replaced in one step, and removed when all went well. After a failure, a cancellation, or the
-// end of the process the sinks' unfinished files stay beside it.
+// end of the process the sinks' unfinished files stay beside it, if the journal is there.
 // resume: goes on from there, where the journal exists, with new sinks for the same paths: the same bytes as without
 //         the interruption. Where there is none it begins.
-// in:     sinks: of files (STEP, IGES, STL, OBJ) and kn_null_sink; not those that hold all until the end (glTF).
+// in:     sinks: of files (STEP, IGES, STL, OBJ, those of write.h but MFEM) and kn_null_sink; not those that hold all
+//         until the end (glTF).
 //         identity: as kn_job_notes: 0, or a number for fields and other functions of the job's options.
 // fails:  as kn_job_run_from; KN_EIO the journal cannot be written or read, or what it speaks of is gone.
 KN_API KN_CHECKED kn_status kn_run_with_journal(kn_ctx *ctx, const kn_job *const *jobs, int njobs, kn_sink *sinks,

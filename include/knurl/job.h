@@ -52,8 +52,8 @@ typedef enum kn_job_crossing {
 // beyond it, with all that their tiles occupy, are not there: KN_DROP_TRIM.
 typedef enum kn_job_trimmed {
     KN_TRIMMED_KEEP, // they stay whole
-    // They are cut off at the border, within crossing_tol: surfaces are trimmed along its preimage, curves end there.
-    // Not for volumes or meshes that cross it.
+    // They are cut off at the border, within crossing_tol: surfaces are trimmed along its preimage, curves end there,
+    // triangles are cut along it. Not for volumes that cross it, nor meshes that reach over to another surface there.
     KN_TRIMMED_CLIP,
     // Heights fall off to nothing (options.taper, 0: over one cell) towards the cells that the border crosses, and
     // to open ends. There a covering tile, which lies on the surface itself, is cut off as above, so that the face
@@ -343,6 +343,8 @@ typedef struct kn_sink {
     kn_status (*save)(kn_ctx *ctx, void *user, unsigned char **data, size_t *bytes);
     kn_status (*restore)(kn_ctx *ctx, void *user, const kn_tile *tile, const kn_job_report *report,
                          const unsigned char *data, size_t bytes);
+    // Nobody can go on from what was saved: what was written does not stay. NULL: there is nothing that would.
+    void (*forget)(void *user);
 } kn_sink;
 KN_API void kn_sink_close(kn_ctx *ctx, kn_sink *sink); // idempotent
 

@@ -120,6 +120,9 @@ static void values_that_make_no_sense(void **state)
     assert_int_equal(run("apply '%s' --tile bump --count 4 --dry-run --vary wobble=1", base), 3);
     assert_int_equal(run("apply '%s' --tile bump --count 4 --dry-run --mask none.png", base), 3);
     assert_int_equal(run("apply '%s' --tile bump --count 4 --resume -o x.glb", base), 2);
+    assert_int_equal(run("apply '%s' --tile bump --count 4 --resume -o x.step -o x.stpz", base), 2);
+    assert_non_null(strstr(complained, "cannot be gone on with"));
+    assert_int_equal(run("apply '%s' --tile bump --count 4 --resume -o x.mesh", base), 2);
 }
 
 // A tile from a mesh: its top is at the height, which varies from place to place.
