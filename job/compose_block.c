@@ -119,9 +119,9 @@ static kn_status compose_alone(kn_ctx *ctx, const composer *c, const kn_job_patc
 
 // The next patch of the block, with room for its control points; NULL: the plan is not what it was.
 static kn_patch *next_patch(kn_ctx *ctx, composer *c, const kn_job_patch *from, const kn_job_key *key,
-                            uint32_t instance, const int cell[2], const int degree[KN_JOB_VARS], int nvars)
+                            uint32_t instance, const int cell[2], const int degree[KN_JOB_VARS], int nvars, int ncomp)
 {
-    size_t numbers = nvars > 0 ? (size_t)c->ncomp * kn_job_numbers(degree) : 0;
+    size_t numbers = nvars > 0 ? (size_t)ncomp * kn_job_numbers(degree) : 0;
     if (c->at >= c->npatches || numbers > c->numbers - c->used) {
         (void)kn_fail(ctx, KN_EUNDECIDED, "job: cell %d,%d is not what it was in the plan", cell[0], cell[1]);
         return NULL;
@@ -146,7 +146,7 @@ static kn_patch *next_patch(kn_ctx *ctx, composer *c, const kn_job_patch *from, 
     kn_job_segments(c->job, key, to->segments);
     kn_job_coarsen(c->job, s->first_cell + (size_t)cell[0] * (size_t)s->cells[1] + (size_t)cell[1], to->segments);
     if (nvars > 0) {
-        to->bezier = (kn_bezier){.nvars = nvars, .ncomp = c->ncomp, .rational = c->ncomp == 4};
+        to->bezier = (kn_bezier){.nvars = nvars, .ncomp = ncomp, .rational = ncomp == 4};
         for (int d = 0; d < nvars; d++) to->bezier.degree[d] = degree[d];
         to->bezier.coef = c->product->coef + c->used;
         c->used += numbers;
@@ -252,7 +252,7 @@ static kn_status compose_ref(kn_ctx *ctx, composer *c, kn_job_ref ref, const int
     const kn_job_patch *from = &c->job->patches[key->patch];
     int degree[KN_JOB_VARS], index = 0;
     kn_job_degree(key, degree);
-    kn_patch *to = next_patch(ctx, c, from, key, ref.instance, cell, degree, from->d.nvars);
+    kn_patch *to = next_patch(ctx, c, from, key, ref.instance, cell, degree, from->d.nvars, c->ncomp);
     if (!to) return KN_EUNDECIDED;
     if (from->d.nvars == 3 &&
         kn_job_hide_faces(ctx, &to->hidden, c->job, from, &key->rect, c->surface, cell) != KN_OK)
@@ -290,12 +290,12 @@ static kn_status compose_shared(kn_ctx *ctx, composer *c, const int cell[2], con
 static kn_status compose_leaf(kn_ctx *ctx, composer *c, const kn_job_cell_plan *plan, const kn_job_leaf *leaf)
 {
     const kn_job_patch *from = leaf->mesh.position ? NULL : kn_job_leaf_patch(plan, leaf);
-    int degree[KN_JOB_VARS] = {0}, nvars = 0;
+    int degree[KN_JOB_VARS] = {0}, nvars = 0, ncomp = leaf->made.coef ? leaf->made.ncomp : c->ncomp;
     if (from) {
         kn_job_leaf_degree(leaf, degree);
         nvars = leaf->made.coef ? leaf->made.nvars : from->d.nvars;
     }
-    kn_patch *to = next_patch(ctx, c, from, &leaf->key, (uint32_t)leaf->instance, plan->cell, degree, nvars);
+    kn_patch *to = next_patch(ctx, c, from, &leaf->key, (uint32_t)leaf->instance, plan->cell, degree, nvars, ncomp);
     if (!to) return KN_EUNDECIDED;
     if (nvars == 3 &&
         kn_job_hide_faces(ctx, &to->hidden, c->job, from, &leaf->key.rect, c->surface, plan->cell) != KN_OK)
@@ -308,7 +308,7 @@ static kn_status compose_leaf(kn_ctx *ctx, composer *c, const kn_job_cell_plan *
         return KN_OK;
     }
     if (leaf->made.coef) {
-        memcpy(to->bezier.coef, leaf->made.coef, (size_t)c->ncomp * kn_job_numbers(degree) * sizeof(double));
+        memcpy(to->bezier.coef, leaf->made.coef, (size_t)ncomp * kn_job_numbers(degree) * sizeof(double));
         return KN_OK;
     }
     const kn_job_piece *piece = &plan->pieces.list[leaf->piece];

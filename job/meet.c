@@ -195,20 +195,75 @@ static kn_status interpolate(kn_ctx *ctx, kn_bezier *out, const kn_job *job, con
 
 // ---- the bound ----
 
-// What rounding does to a composition with the piece, inside its box, and to restrictions and differences with q.
-static double rounding_of(const kn_shell_piece *piece, const kn_bezier *d, const kn_bezier *q, double top)
+// The largest of components first .. first + count - 1.
+static double largest(const kn_bezier *f, int first, int count)
 {
-    double sum = 0.0, terms = (d->degree[0] + 1.0) * (d->degree[1] + 1.0), size = 0.0;
+    double most = 0.0;
+    size_t n = kn_bezier_count(f), from = (size_t)first * n;
+    for (size_t i = from; i < from + (size_t)count * n; i++) most = fmax(most, fabs(f->coef[i]));
+    return most;
+}
+
+// What rounding does to these components of a composition with the piece, inside its box.
+static double composed(const kn_shell_piece *piece, const kn_bezier *d, double top, int first, int count)
+{
+    double sum = 0.0, terms = (d->degree[0] + 1.0) * (d->degree[1] + 1.0);
     for (int t = 0; t < piece->nterms; t++) {
         const kn_bezier *f = &piece->term[t];
         double p = f->degree[0] + f->degree[1] + piece->power[t], fold = (f->degree[0] + 1.0) * (f->degree[1] + 1.0);
-        size = 0.0;
-        for (size_t i = 0; i < 3 * kn_bezier_count(f); i++) size = fmax(size, fabs(f->coef[i]));
-        sum += kn_gamma_up(p * (terms + 9.0) + fold + 8.0) * size * pow(top, piece->power[t]) * 1.01;
+        double size = largest(f, first, count) * pow(top, piece->power[t]);
+        sum += kn_gamma_up(p * (terms + 9.0) + fold + 8.0) * size * 1.01;
     }
-    size = 0.0;
-    for (size_t i = 0; i < 3 * kn_bezier_count(q); i++) size = fmax(size, fabs(q->coef[i]));
-    return kn_round_up(2.0 * sum + kn_gamma_up(16.0 * (q->degree[0] + q->degree[1] + 2)) * size);
+    return kn_round_up(2.0 * sum);
+}
+
+// e = (q - T(D)) W, T(D) being composed with the piece; of a polynomial T is W = 1.
+typedef struct difference {
+    kn_bezier e;
+    double weight;   // W at least
+    double rounding; // of e
+} difference;
+
+// W(D), in its own degrees.
+static kn_status weight_of(kn_ctx *ctx, kn_bezier *w, const kn_shell_piece *piece, const kn_bezier *d)
+{
+    kn_bezier uv = {0};
+    kn_status status = kn_bezier_components(ctx, w, &piece->term[0], 3, 1);
+    if (status == KN_OK) status = kn_bezier_components(ctx, &uv, d, 0, 2);
+    if (status == KN_OK) status = kn_bezier_compose(ctx, w, w, &uv);
+    kn_bezier_clear(ctx, &uv);
+    return status;
+}
+
+// Of q over [lo,hi], which D is a part of the patch over.
+static kn_status find_difference(kn_ctx *ctx, difference *out, const kn_shell_piece *piece, const kn_bezier *d,
+                                 double top, const kn_bezier *q, const double *lo, const double *hi)
+{
+    kn_bezier made = {0}, w = {0}, *e = &out->e;
+    double size = largest(q, 0, 3), wrong = 0.0;
+    kn_status status = kn_compose_piece(ctx, &made, piece, d);
+    bool rational = status == KN_OK && made.rational;
+    out->weight = 1.0;
+    if (status == KN_OK) status = kn_bezier_restrict(ctx, e, q, lo, hi);
+    if (status == KN_OK && rational) {
+        status = kn_bezier_components(ctx, &made, &made, 0, 3);
+        if (status == KN_OK) status = weight_of(ctx, &w, piece, d);
+        if (status == KN_OK) status = kn_bezier_product(ctx, e, e, &w);
+        wrong = composed(piece, d, top, 3, 1);
+        for (size_t k = 0; status == KN_OK && k < kn_bezier_count(&w); k++)
+            out->weight = fmin(out->weight, w.coef[k] - wrong);
+        out->rounding = size * wrong;
+        if (status == KN_OK) size *= largest(&w, 0, 1);
+    }
+    if (status == KN_OK) status = kn_bezier_difference(ctx, e, e, &made);
+    if (status == KN_OK) { // the restriction, the product and the difference
+        double gamma = kn_gamma_up(16.0 * (e->degree[0] + e->degree[1] + 2) + (rational ? 100.0 : 0.0));
+        out->rounding += composed(piece, d, top, 0, 3) + 2.0 * gamma * (size + largest(&made, 0, 3));
+        out->rounding = kn_round_up(out->rounding);
+    }
+    kn_bezier_clear(ctx, &made);
+    kn_bezier_clear(ctx, &w);
+    return status;
 }
 
 // *off: of q from T(D) with N/|N| itself, over the part of D that the leaf is, as closely as it is above aim, or
@@ -220,24 +275,26 @@ static kn_status leaf_error(kn_ctx *ctx, double *off, const kn_job_cell_plan *pl
     *off = INFINITY;
     if (!piece || !piece->term[0].coef || leaf->trim.nloops > 0 || leaf->made.coef || leaf->mesh.position)
         return KN_OK;
-    kn_bezier d = {0}, made = {0}, part = {0};
+    kn_bezier d = {0};
+    difference v = {.weight = 1.0};
     double lo[2], hi[2], most = 0.0, top = kn_job_leaf_patch(plan, leaf)->top;
-    for (int v = 0; v < 2; v++) {
-        lo[v] = ldexp(leaf->key.rect.index[v], -leaf->key.rect.level[v]);
-        hi[v] = ldexp(leaf->key.rect.index[v] + 1.0, -leaf->key.rect.level[v]);
+    for (int k = 0; k < 2; k++) {
+        lo[k] = ldexp(leaf->key.rect.index[k], -leaf->key.rect.level[k]);
+        hi[k] = ldexp(leaf->key.rect.index[k] + 1.0, -leaf->key.rect.level[k]);
     }
     kn_status status = kn_job_leaf_source(ctx, &d, plan, leaf);
-    if (status == KN_OK) status = kn_compose_piece(ctx, &made, piece, &d);
-    if (status == KN_OK) status = kn_bezier_restrict(ctx, &part, q, lo, hi);
-    if (status == KN_OK) status = kn_bezier_difference(ctx, &part, &part, &made);
+    if (status == KN_OK) status = find_difference(ctx, &v, piece, &d, top, q, lo, hi);
     double known = (piece->normal.length_error + piece->normal.angle_error) * top;
-    if (status == KN_OK) known += rounding_of(piece, &d, q, top);
-    double least = fmax(0.0, aim - known) / 1.25; // what is below it need not be known better
-    if (status == KN_OK) status = kn_bezier_norm_bound(ctx, &most, &least, &part, -1.0);
-    if (status == KN_OK) *off = kn_round_up(most + known);
+    double least = fmax(0.0, (aim - known) * v.weight - v.rounding) /
+                   1.25; // what is below it need not be known better
+    if (status == KN_OK) status = kn_bezier_norm_bound(ctx, &most, &least, &v.e, -1.0);
+    if (status == KN_OK && v.weight > 0.0) *off = kn_round_up(kn_round_up((most + v.rounding) / v.weight) + known);
+    if (status == KN_ELIMIT) { // the product has too high a degree
+        kn_ctx_clear_error(ctx);
+        status = KN_OK;
+    }
     kn_bezier_clear(ctx, &d);
-    kn_bezier_clear(ctx, &made);
-    kn_bezier_clear(ctx, &part);
+    kn_bezier_clear(ctx, &v.e);
     return status;
 }
 

@@ -166,7 +166,7 @@ static void count_own(kn_job *job, kn_job_alike *to, const kn_job_cell_plan *pla
         }
         int nvars = leaf->made.coef ? leaf->made.nvars : kn_job_leaf_patch(plan, leaf)->d.nvars;
         kn_job_leaf_degree(leaf, degree);
-        to->numbers += ncomp * kn_job_numbers(degree);
+        to->numbers += (leaf->made.coef ? (size_t)leaf->made.ncomp : ncomp) * kn_job_numbers(degree);
         count_leaf(r, job, nvars, &leaf->key, degree, 1);
     }
 }
