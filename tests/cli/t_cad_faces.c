@@ -161,6 +161,15 @@ static void count_cells(int *within, int *touched)
         }
 }
 
+static void make_drilled(char path[PATH_BYTES])
+{
+    kn_ctx *ctx = NULL;
+    assert_int_equal(kn_ctx_create(&ctx, NULL), KN_OK);
+    test_tmp_path(path, "drilled.step");
+    if (kn_occt_make(ctx, KN_OCCT_DRILLED, path) != KN_OK) fail_msg("%s", kn_ctx_message(ctx));
+    kn_ctx_destroy(ctx);
+}
+
 // A face of 10 x 20 with a hole of radius 3 in its middle. Areas: of what stays whole, exactly but for the floats of the
 // file; of what is cut, within the distance that is told, and the 1e-5 mm that the file's circle is read within, along
 // the circle. A sheet's chords do not matter: its border is what is measured.
@@ -168,12 +177,8 @@ static void a_hole(void **state)
 {
     (void)state;
     char base[PATH_BYTES];
-    kn_ctx *ctx = NULL;
     int within, touched;
-    assert_int_equal(kn_ctx_create(&ctx, NULL), KN_OK);
-    test_tmp_path(base, "drilled.step");
-    if (kn_occt_make(ctx, KN_OCCT_DRILLED, base) != KN_OK) fail_msg("%s", kn_ctx_message(ctx));
-    kn_ctx_destroy(ctx);
+    make_drilled(base);
     count_cells(&within, &touched);
     const double cell = side[0] / ROWS * side[1] / COLUMNS, face = side[0] * side[1] - pi * radius * radius;
     const hole usual = cover(base, ""), keep = cover(base, "--trimmed keep"), clip = cover(base, "--trimmed clip"),
@@ -200,6 +205,42 @@ static void a_hole(void **state)
     assert_true(fabs(taper.area - face) <= 2 * pi * radius * (taper.error + 1e-5) + 1e-4);
     assert_true(taper.at_border <= 1e-5); // floats
     remove(base);
+}
+
+// The same for a mesh, a roof over each cell: its triangles are cut along the circle, in all formats that have triangles.
+static void a_hole_in_meshes(void **state)
+{
+    (void)state;
+    static const char roof[] =
+        "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0.4 0.6 1\nf 1 2 5\nf 2 3 5\nf 3 4 5\nf 4 1 5\n";
+    char base[PATH_BYTES], tile[PATH_BYTES], stl[PATH_BYTES], glb[PATH_BYTES], obj[PATH_BYTES];
+    make_drilled(base);
+    test_tmp_path(tile, "roof.obj"), test_tmp_path(stl, "hole.stl"), test_tmp_path(glb, "hole.glb");
+    test_tmp_path(obj, "hole.obj");
+    test_write_file(tile, roof, sizeof roof - 1);
+    const double face = side[0] * side[1] - pi * radius * radius;
+    const char *const ways[2] = {"keep", "clip"};
+    sheet s;
+    for (int k = 0; k < 2; k++) {
+        int code = run(
+            "apply '%s' --faces 2 --tile '%s' --count %d,%d --height %g --trimmed %s --body none --json -q -o "
+            "'%s' -o '%s' -o '%s'",
+            base, tile, ROWS, COLUMNS, height, ways[k], stl, glb, obj);
+        if (code != 0) fail_msg("%s: %s", ways[k], complained);
+        json_t *root = printed_json();
+        double error = number(root, "crossing_error"), cells = whole(root, "cells");
+        json_decref(root);
+        read_sheet(&s, stl);
+        if (k == 0) assert_true(error == 0.0 && (size_t)(4 * cells) == s.n);
+        if (k == 1) assert_true(error > 0.0 && error <= 1e-3 * 0.5);
+        if (k == 1) assert_true(fabs(s.size - face) <= 2 * pi * radius * (error + 1e-5) + 1e-4);
+        // STL leaves out triangles that floats make a line
+        assert_true((size_t)count(obj, "\nf ") >= s.n && (size_t)count(obj, "\nf ") <= s.n + s.n / 200);
+        assert_true(height_near(&s, radius + 0.2) > 0.3 * height);
+        free(s.file);
+        remove(stl), remove(glb), remove(obj);
+    }
+    remove(base), remove(tile);
 }
 
 // ---- an edge ----
@@ -288,7 +329,8 @@ static void an_edge(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(a_hole), cmocka_unit_test(an_edge)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(a_hole), cmocka_unit_test(a_hole_in_meshes),
+                                       cmocka_unit_test(an_edge)};
     return cmocka_run_group_tests_name("cli/cad_faces", tests, NULL, NULL);
 }
 #else
