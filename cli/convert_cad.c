@@ -73,8 +73,9 @@ static kn_status make_parts(kn_ctx *ctx, faces *f, const char *name)
 // ---- patches ----
 
 // Takes the spline over, and a trim, empty where all of it is there.
-static void add(faces *f, int face, kn_spline *s, kn_trim *trim)
+static kn_status add(kn_ctx *ctx, faces *f, int face, kn_spline *s, kn_trim *trim)
 {
+    kn_status status = KN_OK;
     size_t at = f->npatches++;
     f->splines[at] = *s, f->trims[at] = *trim;
     *s = (kn_spline){0}, *trim = (kn_trim){0};
@@ -91,10 +92,11 @@ static void add(faces *f, int face, kn_spline *s, kn_trim *trim)
         p->spline = own;
     if (f->trims[at].nloops > 0) p->trim = &f->trims[at];
     if (f->bounds[at].edges) p->bounds = &f->bounds[at];
-    for (int d = 0; d < 2; d++) {
+    for (int d = 0; status == KN_OK && d < 2; d++) {
         int spans = kn_spline_spans(own, d), least = p->trim ? PIECE_SEGMENTS : 1 + SEGMENTS / spans;
-        p->segments[d] = spans * (f->segments > least ? f->segments : least);
+        status = kn_bend_total(ctx, &p->segments[d], own, d, f->segments > least ? f->segments : least);
     }
+    return status;
 }
 
 // A face as its pieces, each with what of the trim is in it: triangles of trimmed surfaces are made piece by piece.
@@ -120,7 +122,7 @@ static kn_status add_pieces(kn_ctx *ctx, faces *f, int face, const kn_spline *s,
             status = kn_trim_restrict(ctx, &part, &any, trim, lo, hi);
         }
         if (status == KN_OK && any) status = kn_spline_of_bezier(ctx, &piece, &pieces[i]);
-        if (status == KN_OK && any) add(f, face, &piece, &part);
+        if (status == KN_OK && any) status = add(ctx, f, face, &piece, &part);
         kn_spline_clear(ctx, &piece), kn_trim_clear(ctx, &part);
         kn_bezier_clear(ctx, &pieces[i]);
     }
@@ -146,7 +148,7 @@ static kn_status add_face(kn_ctx *ctx, faces *f, int face, const cli_cad_options
     if (status == KN_OK && trimmed && !o->trims)
         status = add_pieces(ctx, f, face, &s, &trim);
     else if (status == KN_OK)
-        add(f, face, &s, &trim);
+        status = add(ctx, f, face, &s, &trim);
     kn_spline_clear(ctx, &s), kn_trim_clear(ctx, &trim);
     return status;
 }

@@ -255,7 +255,7 @@ static const char convert[] =
     "      --unit mm|cm|m|in   unit of IN where its format has none (default mm)\n"
     "      --obj-surfaces      curves and surfaces in .obj files, not triangles\n"
     "      --json              one JSON object on standard output\n"
-    "  -j, --threads N         default: all processors\n"
+    "  -j, --threads N         default: all processors; files do not depend on it\n"
     "  -q, --quiet             no progress, no report\n";
 
 static const char animate[] =

@@ -6,7 +6,7 @@
 
 #include <math.h>
 
-enum { MOST_SEGMENTS = 128 };
+enum { MOST_SEGMENTS = 128, MOST_TOTAL = 1 << 30 };
 
 // Over a box of 1/n of a piece in each direction the surface is within p (p - 1) / 8 |D2| / n^2 of what is linear
 // along a variable of degree p, and p q / 4 |D11| / n^2 of what is bilinear, the D second differences of control
@@ -56,4 +56,14 @@ int kn_bend_segments(double bend, double tol)
 {
     double segments = ceil(sqrt(bend / tol));
     return segments > MOST_SEGMENTS ? MOST_SEGMENTS : segments >= 1.0 ? (int)segments : 1;
+}
+
+kn_status kn_bend_total(kn_ctx *ctx, int *out, const kn_spline *s, int var, int segments)
+{
+    size_t spans = (size_t)kn_spline_spans(s, var), n = (size_t)segments;
+    if (spans > MOST_TOTAL / n)
+        return kn_fail(ctx, KN_ELIMIT, "a spline of %zu spans, each as %zu segments: more than %d", spans, n,
+                       MOST_TOTAL);
+    *out = (int)(spans * n);
+    return KN_OK;
 }

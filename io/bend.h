@@ -10,5 +10,8 @@
 KN_CHECKED kn_status kn_spline_bend(kn_ctx *ctx, double *out, const kn_spline *s);
 // The segments of a span that are within tol > 0: 1 .. 128.
 int kn_bend_segments(double bend, double tol);
+// out = those of all spans of variable var of s, as kn_patch counts them: segments >= 1 of each.
+// fails: KN_ELIMIT more than 2^30; out unchanged.
+KN_CHECKED kn_status kn_bend_total(kn_ctx *ctx, int *out, const kn_spline *s, int var, int segments);
 
 #endif

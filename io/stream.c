@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Patches and models that no job composed, through the sinks of jobs.
+// Models through the sinks of jobs, as patches.
 #include <knurl/io.h>
 
 #include "io/bend.h"
@@ -8,79 +8,6 @@
 
 #include <math.h>
 #include <stdio.h>
-
-enum { BLOCK = 64 };
-
-// ---- patches ----
-
-static void count_patch(kn_job_report *r, const kn_patch *patch)
-{
-    kn_spline s = kn_patch_spline(patch);
-    if (patch->mesh) {
-        r->meshes++;
-        r->triangles += patch->mesh->ntriangles;
-        return;
-    }
-    r->control_points += kn_spline_count(&s);
-    r->curves += s.nvars == 1;
-    r->volumes += s.nvars == 3;
-    for (int d = 0; d < s.nvars; d++)
-        for (int k = 0; k < 2; k++) // of volumes the largest of all counts for both
-            if ((s.nvars == 3 || d == k) && s.degree[d] > r->degree[k]) r->degree[k] = s.degree[d];
-    const size_t n[3] = {(size_t)patch->segments[0], (size_t)patch->segments[1], (size_t)patch->segments[2]};
-    if (s.nvars == 2) r->triangles += 2 * n[0] * n[1];
-    if (s.nvars == 3) r->triangles += 4 * (n[0] * n[1] + n[0] * n[2] + n[1] * n[2]);
-    if (!patch->trim) return;
-    if (patch->bounds && patch->bounds->error > r->edge_error) r->edge_error = patch->bounds->error;
-    size_t spans = 0;
-    for (int i = 0; i < patch->trim->ncurves; i++)
-        spans += (size_t)kn_spline_spans(&patch->trim->curves[i], 0) * (patch->trim->curves[i].degree[0] > 1 ? 8 : 1);
-    if ((size_t)patch->trim->ncurves > r->trim_curves) r->trim_curves = (size_t)patch->trim->ncurves;
-    if (spans > r->trim_spans) r->trim_spans = spans;
-}
-
-static kn_job_report survey(const kn_patch *patches, size_t n)
-{
-    kn_job_report r = {.nsurfaces = 1, .nparts = 1, .cells = 1, .patches = n, .exact_patches = n, .cell_size = 1.0};
-    for (size_t i = 0; i < n; i++) {
-        count_patch(&r, &patches[i]);
-        if (patches[i].id.surface >= r.nsurfaces) r.nsurfaces = patches[i].id.surface + 1;
-    }
-    r.max_degree = r.degree[0] > r.degree[1] ? r.degree[0] : r.degree[1];
-    return r;
-}
-
-static kn_status send(kn_ctx *ctx, kn_sink *sink, const kn_patch_block *block)
-{
-    void *product = NULL;
-    kn_status status = sink->work ? sink->work(ctx, sink->user, block, &product) : KN_OK;
-    return status == KN_OK ? sink->commit(ctx, sink->user, block, product) : status;
-}
-
-kn_status kn_stream_patches(kn_ctx *ctx, const kn_tile *tile, const kn_patch *patches, size_t n, double size,
-                            kn_sink *sinks, int nsinks)
-{
-    kn_status status = KN_OK;
-    kn_job_report report = survey(patches, n);
-    if (size > 0.0) report.cell_size = size;
-    for (int k = 0; k < nsinks; k++)
-        if (!sinks[k].commit) return kn_fail(ctx, KN_EDOMAIN, "stream: sink %d has no commit", k);
-    for (size_t i = 0; i < n; i++)
-        if (patches[i].look < 0 || patches[i].look >= tile->nparts)
-            return kn_fail(ctx, KN_EDOMAIN, "stream: patch %zu of part %d, of %d", i, patches[i].look, tile->nparts);
-    for (int k = 0; status == KN_OK && k < nsinks; k++)
-        if (sinks[k].begin) status = sinks[k].begin(ctx, sinks[k].user, tile, &report);
-    for (size_t at = 0; status == KN_OK && at < n; at += BLOCK) {
-        const kn_patch_block block = {at, n - at < BLOCK ? n - at : BLOCK, patches + at};
-        status = kn_progress(ctx, "writing", (double)at / (double)n);
-        for (int k = 0; status == KN_OK && k < nsinks; k++) status = send(ctx, &sinks[k], &block);
-    }
-    for (int k = 0; status == KN_OK && k < nsinks; k++)
-        if (sinks[k].end) status = sinks[k].end(ctx, sinks[k].user);
-    return status;
-}
-
-// ---- models ----
 
 // What is made of a model: splines of its own, and patches of them.
 typedef struct stream {
@@ -215,20 +142,22 @@ static kn_status copy_mesh(kn_ctx *ctx, kn_mesh *out, const kn_mesh *mesh)
 }
 
 // What is one piece over the unit box is said to be one.
-static void set_patch(kn_patch *p, const kn_spline *s, int segments)
+static kn_status set_patch(kn_ctx *ctx, kn_patch *p, const kn_spline *s, int segments)
 {
     bool piece = true;
+    kn_status status = KN_OK;
     p->bezier = (kn_bezier){.nvars = s->nvars, .ncomp = s->ncomp, .rational = s->rational, .coef = s->coef};
-    for (int d = 0; d < s->nvars; d++) {
+    for (int d = 0; status == KN_OK && d < s->nvars; d++) {
         double lo, hi;
         kn_spline_domain(s, d, &lo, &hi);
         piece = piece && s->count[d] == s->degree[d] + 1 && lo == 0.0 && hi == 1.0;
         p->bezier.degree[d] = s->degree[d];
-        p->segments[d] = segments * kn_spline_spans(s, d);
+        status = kn_bend_total(ctx, &p->segments[d], s, d, segments);
     }
-    if (piece) return;
+    if (piece) return status;
     p->bezier = (kn_bezier){0};
     p->spline = s;
+    return status;
 }
 
 static kn_status make_patches(kn_ctx *ctx, stream *s)
@@ -236,7 +165,8 @@ static kn_status make_patches(kn_ctx *ctx, stream *s)
     s->npatches = s->nsplines + (s->mesh.ntriangles > 0);
     s->patches = kn_alloc_zero(ctx, s->npatches ? s->npatches : 1, sizeof *s->patches);
     if (!s->patches) return KN_ENOMEM;
-    for (size_t i = 0; i < s->npatches; i++) {
+    kn_status status = KN_OK;
+    for (size_t i = 0; status == KN_OK && i < s->npatches; i++) {
         kn_patch *p = &s->patches[i];
         p->exact = true;
         p->id.surface = (int)i;
@@ -244,9 +174,9 @@ static kn_status make_patches(kn_ctx *ctx, stream *s)
             p->mesh = &s->mesh;
             continue;
         }
-        set_patch(p, &s->splines[i], s->segments);
+        status = set_patch(ctx, p, &s->splines[i], s->segments);
     }
-    return KN_OK;
+    return status;
 }
 
 static void clear(kn_ctx *ctx, stream *s)

@@ -178,7 +178,8 @@ KN_API KN_CHECKED kn_status kn_merge_sink(kn_ctx *ctx, kn_sink *out, const kn_si
 
 // ---- what no job composed, through the same sinks ----
 
-// Sends patches to sinks as a job would: begin, blocks in order, end. The sinks are not closed.
+// Sends patches to sinks as a job would: begin, blocks in order, end; the work on blocks is done on all threads of the
+// context, and the files are the same for any number of them. The sinks are not closed.
 // in:     patches: n, each with a look that is a part of the tile; size: for sinks that ask for the size of a cell,
 //         length units; 0: 1.
 // fails:  KN_EDOMAIN a look that is none, a sink without commit; what the sinks answer; KN_ECANCELLED.

@@ -3,9 +3,14 @@
 #include "tests/support/patches.h"
 #include "tests/support/surfaces.h"
 
+#include "io/bend.h"
+#include "kernel/context.h"
+
 #include <knurl/io.h>
 
+#include <limits.h>
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -244,6 +249,124 @@ static void refusals(void **state)
     test_ctx_end(ctx, &memory);
 }
 
+// Numbers that no int holds are refused: of segments, and of what a header claims.
+static void too_many(void **state)
+{
+    (void)state;
+    test_memory memory = TEST_MEMORY_INIT;
+    kn_ctx *ctx = test_ctx(&memory, 1);
+    kn_model model = {0};
+    int n = -1;
+    parse(ctx, &model, roof); // 4 spans in u
+    assert_int_equal(kn_bend_total(ctx, &n, &model.splines[0], 0, 1 << 28), KN_OK);
+    assert_int_equal(n, 1 << 30);
+    assert_int_equal(kn_bend_total(ctx, &n, &model.splines[0], 0, 1 << 29), KN_ELIMIT);
+    assert_int_equal(kn_bend_total(ctx, &n, &model.splines[0], 0, INT_MAX), KN_ELIMIT);
+    assert_int_equal(kn_bend_total(ctx, &n, &model.splines[0], 1, 1 << 30), KN_OK);
+    assert_int_equal(n, 1 << 30);
+    kn_model_clear(ctx, &model);
+    static const char *const hostile[] = {
+        "100 1 0 0\n3 0\n2147483647 2\n0 0 1 1\n", "100 1 0 0\n3 0\n16777217 2\n0 0\n",
+        "200 1 0 0\n3 0\n65536 2\n0 0 1 1\n65536 2\n0 0 1 1\n0 0 0\n", "200 1 0 0\n3 0\n99999999999 2\n0 0 1 1\n"};
+    for (size_t i = 0; i < sizeof hostile / sizeof *hostile; i++) {
+        kn_ctx_clear_error(ctx);
+        kn_status status = kn_parse_g2(ctx, &model, "hostile", hostile[i], strlen(hostile[i]));
+        assert_true(status == KN_EPARSE || status == KN_ELIMIT);
+        assert_int_equal(model.nsplines, 0);
+    }
+    test_ctx_end(ctx, &memory);
+}
+
+// ---- threads ----
+
+enum { MANY = 333 };
+
+typedef struct broken {
+    size_t at, committed; // work fails for the block with patch `at`; patches that were committed
+    int ended;
+} broken;
+
+static kn_status broken_work(kn_ctx *worker, void *user, const kn_patch_block *block, void **product)
+{
+    broken *b = user;
+    if (block->first <= b->at && b->at < block->first + block->count) return kn_fail(worker, KN_EIO, "broken");
+    *product = kn_alloc(worker, 1, 1);
+    return *product ? KN_OK : KN_ENOMEM;
+}
+
+static kn_status broken_commit(kn_ctx *ctx, void *user, const kn_patch_block *block, void *product)
+{
+    broken *b = user;
+    assert_int_equal(block->first, b->committed);
+    b->committed += block->count;
+    kn_free(ctx, product);
+    return KN_OK;
+}
+
+static void broken_discard(kn_ctx *ctx, void *user, void *product)
+{
+    (void)user;
+    kn_free(ctx, product); // or the context's end finds it
+}
+
+static kn_status broken_end(kn_ctx *ctx, void *user)
+{
+    (void)ctx;
+    ((broken *)user)->ended++;
+    return KN_OK;
+}
+
+// The same bytes for any number of threads; what fails does so at the same patch, and what was made is given back.
+static void threads(void **state)
+{
+    (void)state;
+    test_memory memory = TEST_MEMORY_INIT;
+    kn_patch patches[MANY];
+    kn_bezier own[7] = {{0}};
+    test_tile tile;
+    test_tile_make(&tile, 3);
+    kn_ctx *plain = test_ctx(&memory, 1);
+    test_rng rng = test_random(5);
+    for (int i = 0; i < 7; i++) {
+        kn_patch one;
+        test_patch(plain, &one, &rng, 1 + i % 3, 2, i % 2, i, 0.1);
+        own[i] = one.bezier;
+    }
+    for (int i = 0; i < MANY; i++)
+        patches[i] = (kn_patch){.bezier = own[i % 7], .look = i % 3, .id.patch = i, .segments = {2, 3}};
+    char *first[2] = {NULL, NULL}, path[2][TEST_PATH_BYTES];
+    test_tmp_path(path[0], "threads.obj"), test_tmp_path(path[1], "threads.stl");
+    for (int n = 1; n <= 5; n += 2) {
+        test_memory inner = TEST_MEMORY_INIT;
+        kn_ctx *ctx = test_ctx(&inner, n);
+        kn_sink sinks[3] = {{0}};
+        assert_int_equal(kn_obj_sink(ctx, &sinks[0], path[0]), KN_OK);
+        assert_int_equal(kn_stl_sink(ctx, &sinks[1], path[1]), KN_OK);
+        assert_int_equal(kn_stream_patches(ctx, &tile.tile, patches, MANY, 0.0, sinks, 2), KN_OK);
+        for (int k = 0; k < 2; k++) {
+            size_t bytes, told = sinks[k].bytes(sinks[k].user);
+            kn_sink_close(ctx, &sinks[k]);
+            char *text = test_read_file(path[k], &bytes);
+            assert_true(text && bytes > 0 && told >= bytes);
+            if (first[k]) assert_memory_equal(text, first[k], bytes);
+            if (!first[k]) first[k] = text, text = NULL;
+            free(text);
+        }
+        broken b = {.at = 200};
+        sinks[0] = (kn_sink){
+            .user = &b, .work = broken_work, .commit = broken_commit, .discard = broken_discard, .end = broken_end};
+        assert_int_equal(kn_stream_patches(ctx, &tile.tile, patches, MANY, 0.0, sinks, 1), KN_EIO);
+        assert_string_equal(kn_ctx_message(ctx), "broken");
+        assert_true(b.committed <= 200 && b.committed + 5 > 200 && b.ended == 0); // all blocks before: of 5 patches
+        test_ctx_end(ctx, &inner);
+    }
+    for (int k = 0; k < 2; k++) free(first[k]), remove(path[k]);
+    test_tmp_path(path[0], "threads.mtl");
+    remove(path[0]);
+    for (int i = 0; i < 7; i++) kn_bezier_clear(plain, &own[i]);
+    test_ctx_end(plain, &memory);
+}
+
 static kn_status stream_roof(kn_ctx *ctx, void *user)
 {
     kept k;
@@ -269,8 +392,9 @@ static void without_memory(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(as_they_are), cmocka_unit_test(cut_at_kinks), cmocka_unit_test(fine_enough),
-        cmocka_unit_test(meshes),      cmocka_unit_test(refusals),     cmocka_unit_test(without_memory),
+        cmocka_unit_test(as_they_are), cmocka_unit_test(cut_at_kinks),   cmocka_unit_test(fine_enough),
+        cmocka_unit_test(meshes),      cmocka_unit_test(too_many),       cmocka_unit_test(threads),
+        cmocka_unit_test(refusals),    cmocka_unit_test(without_memory),
     };
     return cmocka_run_group_tests_name("io/stream", tests, NULL, NULL);
 }
