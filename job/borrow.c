@@ -12,7 +12,7 @@
 #include <string.h>
 
 static const double near = 1e-11;         // what lent coefficients may differ by: relative to S's size, and to n
-static const size_t most_meeting = 20000; // patches of a family that interpolates: a minute or less
+static const size_t most_meeting = 200000; // patches of a family that interpolates: a minute or so
 
 // n is one polynomial over every cell, or there is none but what S has as knots.
 static bool has_whole_cells(const kn_job_surface *s)

@@ -428,6 +428,8 @@ kn_status kn_job_leaf_source(kn_ctx *ctx, kn_bezier *out, const kn_job_cell_plan
 // job->meeting: the degrees of patches that interpolate, where tiles are the same everywhere.
 kn_status kn_job_find_meeting_degrees(kn_ctx *ctx, kn_job *job);
 void kn_job_meeting_free(kn_ctx *ctx, struct kn_job_meeting *m);
+// Whether patches in the cell there interpolate, if they can: it is one of the surface's own.
+bool kn_job_may_meet(const kn_job *job, const kn_job_place *place);
 // While cells are planned to find them: then a patch in the cell at `place` is noted, and nothing is planned.
 bool kn_job_notes_meeting(const kn_job *job);
 kn_status kn_job_note_meeting(kn_ctx *ctx, const kn_job *job, int patch, const kn_job_place *place,
@@ -435,15 +437,20 @@ kn_status kn_job_note_meeting(kn_ctx *ctx, const kn_job *job, int patch, const k
 // Of a patch in the cell at `place`, one of the surface's own.
 void kn_job_meeting_degree(int degree[2], const kn_job *job, const kn_job_place *place, int patch);
 
+// What the plan found, for the run, which need not look again; unknown where tiles differ from cell to cell.
+typedef enum kn_job_meeting_fate { KN_JOB_UNKNOWN, KN_JOB_MEETS, KN_JOB_STAYS } kn_job_meeting_fate;
+kn_job_meeting_fate kn_job_fate_of(const kn_job *job, const kn_job_place *place, int patch);
+void kn_job_set_fate(const kn_job *job, const kn_job_place *place, int patch, kn_job_meeting_fate fate);
+
 // ---- meet.c ----
 // at: T(d) with N/|N| at Chebyshev-Lobatto sites of these degrees, component by component, along t fastest. Leaves
 // scratch memory. fails: KN_EUNDEFINED no normal; KN_ENOMEM.
 kn_status kn_job_sample(kn_ctx *ctx, double *at, const kn_job *job, const kn_job_place *place, const kn_bezier *d,
                         const int degree[2]);
-// One leaf that interpolates in place of plan->leaves[first ..], those of a patch in the cell at `place`, which have
-// their pieces with coefficients; where its error would be too large they stay.
-kn_status kn_job_meet(kn_ctx *ctx, kn_job_cell_plan *plan, const kn_job_leaf *leaf, const kn_job_place *place,
-                      int first);
+// Appends one leaf that interpolates T(D), of a patch in the cell at `place`, one of the surface's own; *met: it is
+// near enough, else there is none.
+kn_status kn_job_meet(kn_ctx *ctx, bool *met, kn_job_cell_plan *plan, const kn_job_leaf *leaf,
+                      const kn_job_place *place);
 
 // ---- plan_cell.c ----
 typedef struct kn_job_instance kn_job_instance;

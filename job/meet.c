@@ -16,7 +16,7 @@
 #include <math.h>
 #include <string.h>
 
-enum { MOST_SITES = KN_MAX_DEGREE + 1 };
+enum { MOST_SITES = KN_MAX_DEGREE + 1, DEPTH = 8, MOST_DEGREES = 20 };
 
 // ---- where a place is, the same for all surfaces that have it ----
 
@@ -266,90 +266,123 @@ static kn_status find_difference(kn_ctx *ctx, difference *out, const kn_shell_pi
     return status;
 }
 
-// *off: of q from T(D) with N/|N| itself, over the part of D that the leaf is, as closely as it is above aim, or
-// INFINITY.
-static kn_status leaf_error(kn_ctx *ctx, double *off, const kn_job_cell_plan *plan, const kn_job_leaf *leaf,
-                            const kn_bezier *q, double aim)
+// The bound of q, as closely as it is above aim, and no farther than the limit: then it is INFINITY.
+typedef struct bounding {
+    const kn_job *job;
+    const kn_job_place *place;
+    const kn_bezier *q;
+    double aim, limit, top, off;
+    kn_normal_certificate normal; // the worst of the normals in use
+} bounding;
+
+// Over [lo,hi] of q, with T(D) composed with the piece, of d.
+static kn_status bound_part(kn_ctx *ctx, bounding *b, const kn_shell_piece *piece, const kn_bezier *d,
+                            const double *lo, const double *hi)
 {
-    const kn_shell_piece *piece = leaf->piece >= 0 ? &plan->pieces.list[leaf->piece].piece : NULL;
-    *off = INFINITY;
-    if (!piece || !piece->term[0].coef || leaf->trim.nloops > 0 || leaf->made.coef || leaf->mesh.position)
-        return KN_OK;
-    kn_bezier d = {0};
     difference v = {.weight = 1.0};
-    double lo[2], hi[2], most = 0.0, top = kn_job_leaf_patch(plan, leaf)->top;
-    for (int k = 0; k < 2; k++) {
-        lo[k] = ldexp(leaf->key.rect.index[k], -leaf->key.rect.level[k]);
-        hi[k] = ldexp(leaf->key.rect.index[k] + 1.0, -leaf->key.rect.level[k]);
-    }
-    kn_status status = kn_job_leaf_source(ctx, &d, plan, leaf);
-    if (status == KN_OK) status = find_difference(ctx, &v, piece, &d, top, q, lo, hi);
-    double known = (piece->normal.length_error + piece->normal.angle_error) * top;
-    double least = fmax(0.0, (aim - known) * v.weight - v.rounding) /
-                   1.25; // what is below it need not be known better
+    double most = 0.0, known = (piece->normal.length_error + piece->normal.angle_error) * b->top;
+    kn_status status = find_difference(ctx, &v, piece, d, b->top, b->q, lo, hi);
+    // what is below it need not be known better
+    double least = fmax(0.0, (b->aim - known) * v.weight - v.rounding) / 1.25;
     if (status == KN_OK) status = kn_bezier_norm_bound(ctx, &most, &least, &v.e, -1.0);
-    if (status == KN_OK && v.weight > 0.0) *off = kn_round_up(kn_round_up((most + v.rounding) / v.weight) + known);
-    if (status == KN_ELIMIT) { // the product has too high a degree
-        kn_ctx_clear_error(ctx);
-        status = KN_OK;
+    if (status == KN_OK) {
+        double off = v.weight > 0.0 ? kn_round_up(kn_round_up((most + v.rounding) / v.weight) + known) : INFINITY;
+        b->off = fmax(b->off, off <= b->limit ? off : INFINITY);
+        b->normal.length_error = fmax(b->normal.length_error, piece->normal.length_error);
+        b->normal.angle_error = fmax(b->normal.angle_error, piece->normal.angle_error);
+        b->normal.certified = b->normal.certified && piece->normal.certified;
     }
-    kn_bezier_clear(ctx, &d);
     kn_bezier_clear(ctx, &v.e);
+    return status;
+}
+
+// The degrees that n may have, added: the composition is to be possible. More of them ask for fewer parts.
+static int degree_sum_for(const bounding *b, const kn_bezier *d)
+{
+    const kn_job_surface *s = &b->job->surfaces[b->place->surface];
+    const kn_spline *face = kn_shell_surface(s->shell);
+    int m = d->degree[0] > d->degree[1] ? d->degree[0] : d->degree[1];
+    int room = KN_MAX_DEGREE / (m > 0 ? m : 1) - 1 - (face->rational ? face->degree[0] + face->degree[1] : 0);
+    return room > MOST_DEGREES ? MOST_DEGREES : room;
+}
+
+// Over [lo,hi] of q, which D is d over: where no normal fits, over its halves.
+static kn_status bound_parts(kn_ctx *ctx, bounding *b, const kn_bezier *d, const double *lo, const double *hi,
+                             int depth)
+{
+    kn_shell_piece piece = {0};
+    kn_bezier at = {0}, half[2] = {{0}, {0}};
+    double from[2], to[2];
+    bool fits = false;
+    kn_job_box(from, to, d);
+    for (int c = 0; c < 2; c++) from[c] = fmax(from[c], 0.0), to[c] = fmin(to[c], 1.0);
+    kn_status status = kn_shell_piece_init(ctx, &piece, &fits, b->job->surfaces[b->place->surface].shell,
+                                           b->place->cell, from, to, degree_sum_for(b, d));
+    if (status == KN_OK && fits) {
+        size_t n = kn_bezier_count(d);
+        status = kn_bezier_copy(ctx, &at, d);
+        for (size_t i = 0; i < 2 * n && status == KN_OK; i++)
+            at.coef[i] = (at.coef[i] - from[i / n]) / (to[i / n] - from[i / n]);
+        if (status == KN_OK) status = bound_part(ctx, b, &piece, &at, lo, hi);
+        kn_shell_piece_clear(ctx, &piece);
+    } else if (status == KN_OK && depth == DEPTH) {
+        b->off = INFINITY;
+    } else if (status == KN_OK) {
+        int var = depth % 2;
+        status = kn_bezier_subdivide(ctx, &half[0], &half[1], d, var, 0.5);
+        for (int k = 0; k < 2 && status == KN_OK && b->off < INFINITY; k++) {
+            double start[2] = {lo[0], lo[1]}, end[2] = {hi[0], hi[1]};
+            (k == 0 ? end : start)[var] = 0.5 * (lo[var] + hi[var]);
+            status = bound_parts(ctx, b, &half[k], start, end, depth + 1);
+        }
+    }
+    kn_bezier_clear(ctx, &at);
+    for (int k = 0; k < 2; k++) kn_bezier_clear(ctx, &half[k]);
     return status;
 }
 
 // ---- in the plan ----
 
-static void drop_leaves(kn_ctx *ctx, kn_job_cell_plan *plan, int first)
+// One leaf that is q, which it takes.
+static kn_status add_made(kn_ctx *ctx, kn_job_cell_plan *plan, const kn_job_leaf *leaf, kn_bezier *q)
 {
-    for (int i = first; i < plan->count; i++) kn_trim_clear(ctx, &plan->leaves[i].trim);
-    plan->count = first;
-}
-
-// Of q, over all leaves from the first one on, until it is above the limit.
-static kn_status error_of(kn_ctx *ctx, double *most, const kn_job_cell_plan *plan, int first, const kn_bezier *q,
-                          double aim, double limit)
-{
-    kn_status status = KN_OK;
-    double off = 0.0;
-    *most = 0.0;
-    for (int i = first; i < plan->count && status == KN_OK && *most <= limit; i++) {
-        status = leaf_error(ctx, &off, plan, &plan->leaves[i], q, aim);
-        *most = fmax(*most, off);
-    }
+    kn_job_leaf made = *leaf;
+    made.alone = true;
+    made.made = *q;
+    *q = (kn_bezier){0};
+    kn_status status = kn_job_add_leaf(ctx, plan, &made);
+    kn_bezier_clear(ctx, &made.made);
     return status;
 }
 
-kn_status kn_job_meet(kn_ctx *ctx, kn_job_cell_plan *plan, const kn_job_leaf *leaf, const kn_job_place *place,
-                      int first)
+kn_status kn_job_meet(kn_ctx *ctx, bool *met, kn_job_cell_plan *plan, const kn_job_leaf *leaf,
+                      const kn_job_place *place)
 {
+    static const double zero[2] = {0.0, 0.0}, one[2] = {1.0, 1.0};
     const kn_job *job = plan->job;
-    const kn_job_surface *s = &job->surfaces[place->surface];
-    double aim = 4.0 * job->report.normal_tol * fabs(job->report.height), most = INFINITY;
-    for (int d = 0; d < 2; d++)
-        if (place->cell[d] < 0 || place->cell[d] >= s->cells[d]) return KN_OK;
-    if (plan->count == first) return KN_OK;
-    int degree[2];
+    double aim = 4.0 * job->report.normal_tol * fabs(job->report.height);
     kn_bezier q = {0}, d = {0};
+    bounding b = {job, place, &q, aim, 4.0 * aim, kn_job_leaf_patch(plan, leaf)->top, 0.0, plan->normal};
+    int degree[2];
+    kn_job_meeting_fate fate = kn_job_fate_of(job, place, leaf->key.patch);
+    *met = false;
+    if (fate == KN_JOB_STAYS) return KN_OK;
     kn_mark mark = kn_scratch_mark(ctx);
     kn_status status = kn_job_restrict(ctx, &d, kn_job_leaf_patch(plan, leaf), leaf->key.rect, place->turn);
     kn_job_meeting_degree(degree, job, place, leaf->key.patch);
     if (status == KN_OK) status = interpolate(ctx, &q, job, place, &d, degree);
-    bool none = status == KN_EUNDEFINED; // no normal somewhere
-    if (none) kn_ctx_clear_error(ctx), status = KN_OK;
-    if (status == KN_OK && !none) status = error_of(ctx, &most, plan, first, &q, aim, 4.0 * aim);
-    none = none || most > 4.0 * aim;
-    if (status == KN_OK && !none) {
-        kn_job_leaf made = *leaf;
-        made.piece = plan->leaves[first].piece;
-        made.alone = true;
-        made.made = q;
-        q = (kn_bezier){0};
-        drop_leaves(ctx, plan, first);
-        status = kn_job_add_leaf(ctx, plan, &made);
-        if (status == KN_OK) plan->leaves[plan->count - 1].key.exact = false;
-        plan->stand_in = fmax(plan->stand_in, most);
-        kn_bezier_clear(ctx, &made.made);
+    if (status == KN_OK && (fate != KN_JOB_MEETS || plan->pieces.outline))
+        status = bound_parts(ctx, &b, &d, zero, one, 0);
+    if (status == KN_EUNDEFINED || status == KN_ELIMIT) { // no normal somewhere; a product of too high a degree
+        kn_ctx_clear_error(ctx);
+        status = KN_OK, b.off = INFINITY;
+    }
+    if (status == KN_OK) kn_job_set_fate(job, place, leaf->key.patch, b.off < INFINITY ? KN_JOB_MEETS : KN_JOB_STAYS);
+    if (status == KN_OK && b.off < INFINITY) {
+        *met = true;
+        plan->normal = b.normal;
+        plan->stand_in = fmax(plan->stand_in, b.off);
+        status = add_made(ctx, plan, leaf, &q);
     }
     kn_scratch_release(ctx, mark);
     kn_bezier_clear(ctx, &q);

@@ -27,6 +27,7 @@ struct kn_job_meeting {
     note *notes;
     size_t count;
     uint8_t (*degree)[2];
+    uint8_t *fate; // kn_job_meeting_fate of each
 };
 
 void kn_job_meeting_free(kn_ctx *ctx, struct kn_job_meeting *m)
@@ -35,6 +36,7 @@ void kn_job_meeting_free(kn_ctx *ctx, struct kn_job_meeting *m)
     kn_free(ctx, m->first);
     kn_free(ctx, m->notes);
     kn_free(ctx, m->degree);
+    kn_free(ctx, m->fate);
     kn_free(ctx, m);
 }
 
@@ -43,7 +45,7 @@ bool kn_job_notes_meeting(const kn_job *job)
     return job->meeting && job->meeting->noting;
 }
 
-static bool is_inside(const kn_job *job, const kn_job_place *place)
+bool kn_job_may_meet(const kn_job *job, const kn_job_place *place)
 {
     const kn_job_surface *s = &job->surfaces[place->surface];
     return s->meets && place->cell[0] >= 0 && place->cell[0] < s->cells[0] && place->cell[1] >= 0 &&
@@ -61,6 +63,17 @@ void kn_job_meeting_degree(int degree[2], const kn_job *job, const kn_job_place 
 {
     const struct kn_job_meeting *m = job->meeting;
     for (int v = 0; v < 2; v++) degree[v] = m ? m->degree[slot_of(job, place, patch)][v] : job->options.max_degree;
+}
+
+kn_job_meeting_fate kn_job_fate_of(const kn_job *job, const kn_job_place *place, int patch)
+{
+    return job->meeting ? (kn_job_meeting_fate)job->meeting->fate[slot_of(job, place, patch)] : KN_JOB_UNKNOWN;
+}
+
+void kn_job_set_fate(const kn_job *job, const kn_job_place *place, int patch, kn_job_meeting_fate fate)
+{
+    uint8_t *known = job->meeting ? &job->meeting->fate[slot_of(job, place, patch)] : NULL;
+    if (known && *known == KN_JOB_UNKNOWN) *known = (uint8_t)fate; // threads that run only read it
 }
 
 // ---- notes ----
@@ -134,7 +147,6 @@ static kn_status find_need(kn_ctx *ctx, int need[2], const kn_job *job, const kn
 kn_status kn_job_note_meeting(kn_ctx *ctx, const kn_job *job, int patch, const kn_job_place *place,
                               const kn_job_rect *rect)
 {
-    if (!is_inside(job, place)) return KN_OK;
     note *to = &job->meeting->notes[slot_of(job, place, patch)];
     int most = job->options.max_degree, p = most < EASY ? most : EASY, need[2] = {1, 1};
     kn_bezier d = {0};
@@ -249,7 +261,8 @@ static kn_status solve(kn_ctx *ctx, const kn_job *job)
     uint8_t *most = kn_alloc_zero(ctx, nodes, sizeof *most);
     edge *edges = kn_alloc(ctx, 4 * (size_t)job->npatches, sizeof *edges);
     m->degree = kn_alloc_zero(ctx, m->count, sizeof *m->degree);
-    kn_status status = parent && most && edges && m->degree ? KN_OK : KN_ENOMEM;
+    m->fate = kn_alloc_zero(ctx, m->count, sizeof *m->fate);
+    kn_status status = parent && most && edges && m->degree && m->fate ? KN_OK : KN_ENOMEM;
     for (size_t i = 0; i < nodes && status == KN_OK; i++) parent[i] = (int)i;
     for (int s = 0; s < job->nsurfaces && status == KN_OK; s++) {
         const kn_job_surface *on = &job->surfaces[s];
