@@ -128,8 +128,8 @@ static kn_status sample(kn_ctx *ctx, kn_limit_summary *sum, const kn_job *job, c
     kn_sink_close(ctx, &sink);
     if (status != KN_OK || n == 0) return status;
     double share = (double)r.cells / (double)n;
-    size_t *const counts[] = {&sum->exact,          &sum->limited,        &sum->spans,
-                              &sum->control_points, &sum->unknown_angles, &sum->wide_angles};
+    size_t *const counts[] = {&sum->exact,          &sum->limited,     &sum->spans,          &sum->control_points,
+                              &sum->unknown_angles, &sum->wide_angles, &sum->singular_angles};
     for (size_t i = 0; i < sizeof counts / sizeof *counts; i++)
         *counts[i] = (size_t)((double)*counts[i] * share + 0.5);
     return KN_OK;
@@ -151,7 +151,7 @@ kn_status cli_estimate_fit(kn_ctx *ctx, cli_fit *fit, const cli_plan *plan, cons
         }
         to->exact += one.exact, to->limited += one.limited, to->spans += one.spans;
         to->control_points += one.control_points, to->unknown_angles += one.unknown_angles;
-        to->wide_angles += one.wide_angles;
+        to->wide_angles += one.wide_angles, to->singular_angles += one.singular_angles;
         to->error = fmax(to->error, one.error), to->angle = fmax(to->angle, one.angle);
         for (int v = 0; v < 2; v++)
             if (one.degree[v] > to->degree[v]) to->degree[v] = one.degree[v];
@@ -173,8 +173,9 @@ json_t *cli_fit_json(const cli_fit *fit)
     json_t *o = json_pack("{s:i,s:o,s:o,s:b}", "max_degree", fit->options.max_degree, "tolerance",
                           cli_json_number(fit->options.tolerance), "seam_angle_asked_rad",
                           cli_json_number(fit->options.seam_angle), "estimated", fit->estimated);
-    static const char *const keys[] = {"certified_error", "exact_faces",    "limited_faces",  "degree",
-                                       "control_points",  "seam_angle_rad", "unknown_angles", "wide_angles"};
+    static const char *const keys[] = {"certified_error", "exact_faces",    "limited_faces",
+                                       "degree",          "control_points", "seam_angle_rad",
+                                       "unknown_angles",  "wide_angles",    "singular_angles"};
     if (!fit->known) {
         for (size_t i = 0; i < sizeof keys / sizeof *keys; i++) json_object_set_new(o, keys[i], json_null());
         return o;
@@ -189,6 +190,7 @@ json_t *cli_fit_json(const cli_fit *fit)
     json_object_set_new(o, keys[5], cli_json_upper(turn_of(fit)));
     json_object_set_new(o, keys[6], json_integer((json_int_t)(s->unknown_angles + fit->merged.unknown_angles)));
     json_object_set_new(o, keys[7], json_integer((json_int_t)s->wide_angles));
+    json_object_set_new(o, keys[8], json_integer((json_int_t)(s->singular_angles + fit->merged.singular_angles)));
     if (fit->merge && !fit->estimated)
         json_object_set_new(o, "merge",
                             json_pack("{s:I,s:I,s:I,s:o}", "faces", (json_int_t)fit->merged.faces, "merged",

@@ -81,13 +81,18 @@ typedef struct kn_limit_turn {
     double goal;   // in: a bound below this is as good as any; 0: as close as can be
     double angle;  // a bound, but for what is unknown
     double sample; // the largest that was met, computed
-    bool unknown;  // somewhere there is no bound, as where the normal vanishes
+    bool unknown;  // somewhere there is no bound
+    // The piece has no normal in places, but for rounding; there, and within 2^-10 of a span from there, is no bound.
+    bool singular;
 } kn_limit_turn;
 // turn becomes that of itself and of the rows; begin with zeros but for the goal. KN_ENOMEM.
 kn_status kn_limit_turn_of(kn_ctx *ctx, kn_limit_turn *turn, const kn_limit_rows *rows);
 // out: rows of coef (ncomp, n0, n1) where variable var ends, in scratch: the edge, and slope times the step inwards.
 kn_status kn_limit_rows_at(kn_ctx *ctx, double *out[2], const double *coef, size_t ncomp, const size_t n[2], int var,
                            bool at_end, double slope);
+// rows->rounding and an addition to its error, n numbers in each component of a fit; across it variable var. false: a
+// weight may not be positive.
+bool kn_limit_round_rows(kn_limit_rows *rows, const kn_limit_fit *f, int var, const double *coef, size_t n);
 // *turn, but for the goal that stands there, along the edge where variable var ends; error: of the distance there.
 kn_status kn_limit_edge_angle(kn_ctx *ctx, kn_limit_turn *turn, const kn_limit_fit *f, double error, int var,
                               bool at_end);

@@ -9,6 +9,9 @@
 // does not count there. Each X lies in a ball about the mean of its coefficients, which bounds all of this; pieces
 // are halved until the bound is as wanted. Of P/w the normal's direction is that of the derivatives P' - (P/w) w',
 // whatever the positive factor 1/w.
+//
+// Where N vanishes at an end of a piece, and M with it as derivatives at corners are kept, there is no bound; but on
+// [h,2h] from there is one, however small h is: N, M and N - M shrink alike.
 #include "fit/limit.h"
 
 #include <math.h>
@@ -16,7 +19,8 @@
 
 #include "kernel/bernstein.h"
 
-enum { MOST_HALVINGS = 6, EARLY_HALVINGS = 2 };
+// Towards an end without a normal, and of any other piece.
+enum { SINGULAR_HALVINGS = 10, MOST_HALVINGS = 6 };
 
 // Curves along an edge, ncomp arrays of n + 1 numbers: the exact surface, and the derivatives (r: along, t: across)
 // of it and of the fit, all raised to the exact degree.
@@ -120,10 +124,18 @@ static double off_plane(const strip *s, int exact, const double c[3], const ball
     return kn_round_up(most + (b->loose + 0x1p-49 * b->difference) * length + b->difference * spread);
 }
 
-// A bound of the angle over the piece, INFINITY: none.
-static double piece_angle(const strip *s)
+// What rounding may make of a normal that is none; r, t: lengths of the derivatives.
+static double rough_normal(const kn_limit_rows *rows, double r, double t)
+{
+    return rows->rounding[0] * t + rows->rounding[1] * r + rows->rounding[0] * rows->rounding[1];
+}
+
+// A bound of the angle over the piece, INFINITY: none. *nowhere: the exact surface has no normal in it, but for
+// rounding.
+static double piece_angle(bool *nowhere, const strip *s)
 {
     double c[3], radius, n[3];
+    *nowhere = false;
     if (!points_of(c, &radius, s)) return INFINITY;
     ball r = ball_of(s, EXACT_R, c, radius), t = ball_of(s, EXACT_T, c, radius);
     cross3(n, r.middle, t.middle);
@@ -132,6 +144,7 @@ static double piece_angle(const strip *s)
     double least = (norm3(n) - spread) * (1.0 - 0x1p-46);
     double apart = kn_round_up((a + r.radius) * t.difference + r.difference * (b + t.radius) +
                                r.difference * t.difference);
+    *nowhere = norm3(n) + spread <= 3.0 * rough_normal(s->rows, a + r.radius, b + t.radius);
     if (!(least > 0.0)) return INFINITY;
     double sine = kn_round_up(apart / least);
     if (least > apart) {
@@ -143,8 +156,8 @@ static double piece_angle(const strip *s)
     return sine < 1.0 ? kn_round_up(asin(sine)) : INFINITY;
 }
 
-// The angle at an end of the piece, computed; -1: there is no normal.
-static double end_angle(const strip *s, bool last)
+// The angle at an end of the piece, computed; -1: there is no normal. *none: of the exact surface.
+static double end_angle(bool *none, const strip *s, bool last)
 {
     double c[3] = {0.0, 0.0, 0.0}, x[4][3], n[2][3], z[3];
     if (s->rows->rational) {
@@ -154,29 +167,36 @@ static double end_angle(const strip *s, bool last)
     }
     for (int k = 0; k < 4; k++) derivative(x[k], s, EXACT_R + k, last ? (size_t)s->n[EXACT_R + k] : 0, c);
     for (int k = 0; k < 2; k++) cross3(n[k], x[2 * k], x[2 * k + 1]);
+    *none = !(norm3(n[0]) > rough_normal(s->rows, norm3(x[0]), norm3(x[1])));
     // Nothing where the normals are no more than rounding.
-    for (int k = 0; k < 2; k++)
-        if (!(norm3(n[k]) > 1e-9 * norm3(x[2 * k]) * norm3(x[2 * k + 1]))) return -1.0;
+    for (int k = 0; k < 2; k++) {
+        double r = norm3(x[2 * k]), t = norm3(x[2 * k + 1]);
+        if (!(norm3(n[k]) > fmax(1e-9 * r * t, rough_normal(s->rows, r, t)))) return -1.0;
+    }
     cross3(z, n[0], n[1]);
     return atan2(norm3(z), dot3(n[0], n[1]));
 }
 
-// turn becomes that of itself and of the piece.
-static kn_status look(kn_ctx *ctx, kn_limit_turn *turn, const strip *s, int depth)
+// turn becomes that of itself and of the piece, after `depth` halvings; `left` more are worth while.
+static kn_status look(kn_ctx *ctx, kn_limit_turn *turn, const strip *s, int depth, int left)
 {
-    double here = piece_angle(s);
+    bool nowhere, none[2];
+    double here = piece_angle(&nowhere, s);
     if (here <= turn->angle) return KN_OK;
-    double sample = fmax(end_angle(s, false), end_angle(s, true));
-    turn->sample = fmax(turn->sample, sample);
-    // Nothing to be had from halves where normals vanish at both ends, as all along a pole.
-    bool hopeless = isinf(here) && sample < 0.0 && depth >= EARLY_HALVINGS;
-    if (here <= fmax(turn->goal, 1.25 * turn->sample) || hopeless || depth == MOST_HALVINGS) {
+    for (int k = 0; k < 2; k++) turn->sample = fmax(turn->sample, end_angle(&none[k], s, k));
+    bool singular = isinf(here) && (none[0] || none[1]);
+    if (nowhere || (singular && depth >= SINGULAR_HALVINGS)) {
+        turn->singular = true;
+        return KN_OK;
+    }
+    if (here <= fmax(turn->goal, 1.25 * turn->sample) || (left == 0 && !singular)) {
         if (isinf(here))
             turn->unknown = true;
         else
             turn->angle = here;
         return KN_OK;
     }
+    if (!singular) left--;
     strip half[2] = {*s, *s};
     kn_mark mark = kn_scratch_mark(ctx);
     kn_status status = KN_OK;
@@ -188,7 +208,7 @@ static kn_status look(kn_ctx *ctx, kn_limit_turn *turn, const strip *s, int dept
         half[0].coef[k] = room, half[1].coef[k] = room + all;
         kn_bernstein_split(room, room + all, s->coef[k], ncomp, s->n[k], 1, 0.5);
     }
-    for (int k = 0; k < 2 && status == KN_OK; k++) status = look(ctx, turn, &half[k], depth + 1);
+    for (int k = 0; k < 2 && status == KN_OK; k++) status = look(ctx, turn, &half[k], depth + 1, left);
     kn_scratch_release(ctx, mark);
     return status;
 }
@@ -227,7 +247,7 @@ static kn_status look_at_span(kn_ctx *ctx, kn_limit_turn *turn, const kn_limit_r
         kn_bernstein_differentiate(d, k ? fit_point : s.coef[POINT], ncomp, x->from, 1);
         for (size_t i = 0; i < ncomp * (size_t)x->from; i++) d[i] *= (double)spans; // by the whole parameter
     }
-    return status == KN_OK ? look(ctx, turn, &s, 0) : status;
+    return status == KN_OK ? look(ctx, turn, &s, 0, MOST_HALVINGS) : status;
 }
 
 kn_status kn_limit_turn_of(kn_ctx *ctx, kn_limit_turn *turn, const kn_limit_rows *rows)
@@ -274,20 +294,18 @@ kn_status kn_limit_rows_at(kn_ctx *ctx, double *out[2], const double *coef, size
     return KN_OK;
 }
 
-// What rounding does to the derivatives, at most. false: a weight may not be positive.
-static bool round_rows(kn_limit_rows *rows, const kn_limit_fit *f, int var)
+bool kn_limit_round_rows(kn_limit_rows *rows, const kn_limit_fit *f, int var, const double *coef, size_t n)
 {
-    const kn_limit_axis *x = &f->axis[1 - var], *over = &f->axis[var];
+    const kn_limit_axis *x = &rows->along, *over = &f->axis[var];
     // Restriction, elevation, halvings, a difference and a factor, of coordinates and of weights times coordinates.
-    double steps = kn_gamma_up(8.0 * x->from + 3.0 * x->from * MOST_HALVINGS + 24.0);
+    double steps = kn_gamma_up(8.0 * x->from + 3.0 * x->from * (SINGULAR_HALVINGS + MOST_HALVINGS) + 24.0);
     kn_parts rough = f->rough;
-    kn_parts_add(&rough, 1.0, f->coef, kn_limit_count(&f->axis[0]) * kn_limit_count(&f->axis[1]), rows->ncomp,
-                 rows->rational);
+    kn_parts_add(&rough, 1.0, coef, n, rows->ncomp, rows->rational);
     double size = 2.0 * steps * rough.coordinate;
     if (rows->rational) { // |P/w| is at most the largest |P| over the least weight; it is wrong, too, and times w'
         double least = INFINITY;
-        size_t n = kn_bezier_count(f->a);
-        for (size_t i = 0; i < n; i++) least = fmin(least, f->a->coef[3 * n + i]);
+        size_t all = kn_bezier_count(f->a);
+        for (size_t i = 0; i < all; i++) least = fmin(least, f->a->coef[3 * all + i]);
         least -= steps * rough.weight;
         if (!(least > 0.0)) return false;
         double spread = 1.0 + rough.weight / least;
@@ -305,8 +323,10 @@ kn_status kn_limit_edge_angle(kn_ctx *ctx, kn_limit_turn *turn, const kn_limit_f
     const kn_limit_axis *x = &f->axis[1 - var], *over = &f->axis[var];
     kn_limit_rows rows = {.ncomp = f->a->ncomp, .rational = f->a->rational, .along = *x, .error = error};
     *turn = (kn_limit_turn){.goal = turn->goal};
-    turn->unknown = x->from == 0 || over->from == 0 || !round_rows(&rows, f, var);
-    if (turn->unknown) return KN_OK;
+    turn->singular = x->from == 0 || over->from == 0;
+    turn->unknown = !turn->singular &&
+                    !kn_limit_round_rows(&rows, f, var, f->coef, kn_limit_count(x) * kn_limit_count(over));
+    if (turn->singular || turn->unknown) return KN_OK;
     size_t n[2][2];
     double *row[2][2];
     for (int v = 0; v < 2; v++) n[0][v] = (size_t)f->axis[v].from + 1, n[1][v] = kn_limit_count(&f->axis[v]);

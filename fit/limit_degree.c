@@ -217,6 +217,15 @@ static kn_status certify(kn_ctx *ctx, fit *f, double enough, double most)
 
 // ---- fits ----
 
+// Whether the curve's derivative at an end is no more than rounding.
+static bool stands(const fit *f, bool last)
+{
+    size_t n = (size_t)f->axis[0].from + 1, end = last ? n - 1 : 0, next = last ? n - 2 : 1;
+    double most = 0.0;
+    for (size_t c = 0; c < comps(f); c++) most = fmax(most, fabs(f->a->coef[c * n + next] - f->a->coef[c * n + end]));
+    return most <= kn_gamma_up(26.0 * (double)n) * f->rough.coordinate;
+}
+
 // A curve onto the multiples of the quantum: then inserting knots halfway is exact, whatever side of an edge does it.
 // Not its ends, nor a curve of low degree: these belong to neighbours, too, of which nothing may be limited.
 static void round_off(const fit *f)
@@ -226,6 +235,12 @@ static void round_off(const fit *f)
     if (q == 0.0 || f->a->nvars > 1 || f->a->rational || is_kept(&f->axis[0])) return;
     for (size_t c = 0; c < comps(f); c++)
         for (size_t i = 1; i < n - 1; i++) f->coef[c * n + i] = rint(f->coef[c * n + i] / q) * q;
+    // A curve that sets out at no speed does so still, and in its direction: one point then, which halves exactly.
+    for (int k = 0; k < 2; k++) {
+        if (!stands(f, k)) continue;
+        size_t end = k ? n - 1 : 0, next = k ? n - 2 : 1;
+        for (size_t c = 0; c < comps(f); c++) f->coef[c * n + next] = f->coef[c * n + end];
+    }
 }
 
 // Fits and certifies with the axes as they are, to below `most` or not; edges: NULL, or to be put in place.
@@ -460,7 +475,9 @@ static kn_status angles(kn_ctx *ctx, kn_fit_limited *report, const fit *f, const
         kn_limit_turn turn = {.goal = f->limits->angle};
         status = kn_limit_edge_angle(ctx, &turn, f, edges[e].error, e / 2, e % 2);
         report->edge_angle[e] = turn.unknown ? INFINITY : turn.angle;
+        report->edge_singular[e] = turn.singular;
         report->unknown_angles += turn.unknown;
+        report->singular_angles += turn.singular && !turn.unknown;
         if (turn.unknown) continue;
         report->angle = fmax(report->angle, turn.angle);
         report->wide_angles += f->limits->angle > 0.0 && turn.angle > f->limits->angle;

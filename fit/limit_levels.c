@@ -28,8 +28,11 @@ static kn_status try_level(kn_ctx *ctx, kn_limit_turn *turn, const kn_limit_fit 
     kn_bernstein_transform(across, exact[1], ncomp, (int)count, x->from + 1, 1, matrix);
     for (size_t c = 0; c < ncomp && status == KN_OK; c++)
         status = kn_limit_edge_row(ctx, line + c * count, edge->coef + c * own, edge, x);
+    // Of inner rows no more is known than their size, which is about the edge's: it tells where no normal is.
+    bool rounded = status == KN_OK && kn_limit_round_rows(&rows, f, var, line, count);
+    if (status == KN_OK && !rounded) turn->unknown = true;
     rows.exact[0] = exact[0], rows.exact[1] = exact[1], rows.fit[0] = line, rows.fit[1] = across;
-    return status == KN_OK ? kn_limit_turn_of(ctx, turn, &rows) : status;
+    return rounded ? kn_limit_turn_of(ctx, turn, &rows) : status;
 }
 
 // The least level, no lower than the axis has, at which the angle is kept; the last that helped where none is.

@@ -38,6 +38,7 @@ static void add_sums(kn_limit_summary *to, const kn_limit_summary *s)
 {
     to->exact += s->exact, to->limited += s->limited;
     to->unknown_angles += s->unknown_angles, to->wide_angles += s->wide_angles;
+    to->singular_angles += s->singular_angles;
     to->spans += s->spans, to->control_points += s->control_points;
     to->error = fmax(to->error, s->error), to->angle = fmax(to->angle, s->angle);
     for (int v = 0; v < 2; v++)
@@ -51,6 +52,7 @@ static void note_patch(kn_limit_summary *sum, const kn_patch *patch, const kn_fi
     if (report) {
         one.error = report->error, one.angle = report->angle;
         one.unknown_angles = (size_t)report->unknown_angles, one.wide_angles = (size_t)report->wide_angles;
+        one.singular_angles = (size_t)report->singular_angles;
     }
     for (int v = 0; v < s.nvars; v++)
         for (int k = 0; k < 2; k++)

@@ -23,8 +23,8 @@ typedef struct kn_merge_item {
 // A surface in the place of a grid of items.
 typedef struct kn_merged {
     kn_spline surface, edge[4];
-    double error, angle; // certified; of normals along the outer edges
-    int unknown_angles;  // of the four
+    double error, angle;                 // certified; of normals along the outer edges
+    int unknown_angles, singular_angles; // of the four, as kn_fit_limited has them
     int columns, rows, continuity[2];
 } kn_merged;
 // turned (empty) = the item's surface as it lies in the grid. KN_ENOMEM.

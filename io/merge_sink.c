@@ -74,6 +74,7 @@ static kn_status send_merged(kn_ctx *ctx, merge *m, const int *list, const kn_me
     m->sum.merged++;
     m->sum.error = fmax(m->sum.error, merged->error), m->sum.angle = fmax(m->sum.angle, merged->angle);
     m->sum.unknown_angles += (size_t)merged->unknown_angles;
+    m->sum.singular_angles += (size_t)merged->singular_angles;
     if (merged->continuity[0] != 1 && merged->continuity[1] != 1) m->sum.c2++;
     return send(ctx, m, &patch, 1);
 }

@@ -182,7 +182,7 @@ static kn_status outer_turns(kn_ctx *ctx, kn_merged *out, const board *b, const 
 {
     const size_t n[2] = {(size_t)b->nbreaks[0] - 1, (size_t)b->nbreaks[1] - 1};
     kn_status status = KN_OK;
-    out->angle = 0.0, out->unknown_angles = 0;
+    out->angle = 0.0, out->unknown_angles = out->singular_angles = 0;
     for (int e = 0; e < 4 && status == KN_OK; e++) {
         int var = e / 2, along = 1 - var;
         kn_limit_turn turn = {.goal = goal};
@@ -193,6 +193,7 @@ static kn_status outer_turns(kn_ctx *ctx, kn_merged *out, const board *b, const 
             status = turn_at(ctx, &turn, &b->pieces[k], &pieces[k], var, e % 2, out->error, rounding);
         }
         out->unknown_angles += turn.unknown;
+        out->singular_angles += turn.singular && !turn.unknown;
         if (!turn.unknown) out->angle = fmax(out->angle, turn.angle);
     }
     return status;

@@ -162,12 +162,15 @@ typedef struct kn_fit_limited {
     int spans[KN_MAX_VARS]; // in each variable, equal ones
     bool exact;             // no degree passes the limit: the piece itself
     // Of surfaces in space: a certified bound of the angle between their normals and the piece's along the edges,
-    // radians, but for unknown_angles of the four, where the normal vanishes somewhere or almost does. wide_angles of
-    // the others are above the limits' angle: more spans were of no use, or too many. Two that share an edge meet at
-    // the angle they had, but for the sum of theirs.
+    // radians, but for unknown_angles of the four, where none was found, as where the normal almost vanishes.
+    // wide_angles of the others are above the limits' angle: more spans were of no use, or too many. Along
+    // singular_angles of the others the piece itself has no normal in places, as at a pole: it is no longer than
+    // rounding may make it. There, and within 2^-10 of a span from such a place, the bound says nothing. Two that
+    // share an edge meet at the angle they had, but for the sum of theirs.
     double angle;
-    int unknown_angles, wide_angles;
-    double edge_angle[4]; // of each edge, in the order of `edges`: such a bound, INFINITY where it is unknown
+    int unknown_angles, wide_angles, singular_angles;
+    double edge_angle[4]; // of each edge, in the order of `edges`: its bound; INFINITY: unknown
+    bool edge_singular[4];
 } kn_fit_limited;
 
 // out = a spline over [0,1]^nvars of degree at most max_degree in each variable, within the tolerance of the piece a,

@@ -116,10 +116,11 @@ typedef struct kn_limit_summary {
     size_t exact, limited; // patches that went on as they came, and those that were replaced
     double error; // certified: no point of a limited patch is further from the exact one, at equal parameters
     // Certified, radians: between the normals of a limited patch and of the exact one along its edges, but for
-    // unknown_angles edges, where the normal vanishes somewhere. What joined smoothly does so within twice that, which
-    // is at most seam_angle but for wide_angles edges, where more spans were of no use.
+    // unknown_angles edges, and but for places without a normal of singular_angles others (kn_fit_limited). What
+    // joined smoothly does so within twice that, which is at most seam_angle but for wide_angles edges, where more
+    // spans were of no use.
     double angle;
-    size_t unknown_angles, wide_angles;
+    size_t unknown_angles, wide_angles, singular_angles;
     int degree[2];                // largest that went on, in r and t; of volumes, of all variables
     size_t spans, control_points; // of all patches that went on
 } kn_limit_summary;
@@ -160,10 +161,10 @@ typedef struct kn_merge_summary {
     size_t patches, faces, merged; // that came, that went on, and those of these that stand for several
     double error;                  // certified: no point moved further, at equal parameters of the pieces
     size_t c2;                     // merged ones that are C2 in both directions; the others are C1
-    // Certified, radians: no normal along the outer edges of a merged one turned further, but where normals vanish:
-    // unknown_angles of its four edges.
+    // Certified, radians: no normal along the outer edges of a merged one turned further, but where normals (almost)
+    // vanish: unknown_angles, and places of singular_angles of their edges, as of limited ones.
     double angle;
-    size_t unknown_angles;
+    size_t unknown_angles, singular_angles;
 } kn_merge_summary;
 // A sink before n others that puts one surface in the place of patches of one tile part, over up to cells x cells
 // cells, where they form a grid, joined bit for bit along their edges (kn_patch.edge, or their ends), of equal
