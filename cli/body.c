@@ -68,8 +68,8 @@ typedef struct reading {
     kn_scan scan;
     cli_body *body;
     const cli_body_plan *plan;
-    const int *face;
-    int nfaces; // of all shells so far
+    const int *face, *bodies; // of surfaces
+    int nfaces;               // of all shells so far
     int nseeds;
     size_t nchains; // answered, in the order of the request
 } reading;
@@ -134,6 +134,7 @@ static kn_status read_seed(reading *r, const cli_body_chain *chain, const cli_bo
                                                  .edge = number,
                                                  .vertex = {vertex[e->along ? 0 : 1], vertex[e->along ? 1 : 0]},
                                                  .along = (along != 0) == e->along,
+                                                 .body = r->bodies[chain->surface],
                                                  .shell = r->body->shell_of[chain->surface],
                                                  .forward = chain->forward == e->along};
     return KN_OK;
@@ -189,10 +190,11 @@ static kn_status read_answer(reading *r)
 }
 
 kn_status cli_body_parse(kn_ctx *ctx, cli_body *out, const char *name, char *text, size_t bytes,
-                         const cli_body_plan *plan, const int *face, int nsurfaces)
+                         const cli_body_plan *plan, const int *face, const cli_base *base)
 {
+    int nsurfaces = base->nsurfaces;
     cli_body b = {.host.nsurfaces = nsurfaces};
-    reading r = {ctx, kn_scan_start(ctx, name, text, bytes), &b, plan, face, 0, 0, 0};
+    reading r = {ctx, kn_scan_start(ctx, name, text, bytes), &b, plan, face, base->body, 0, 0, 0};
     b.shell_of = kn_alloc(ctx, (size_t)nsurfaces, sizeof *b.shell_of);
     for (int s = 0; b.shell_of && s < nsurfaces; s++) b.shell_of[s] = -1;
     kn_status status = b.shell_of ? read_answer(&r) : KN_ENOMEM;

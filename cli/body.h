@@ -43,7 +43,7 @@ typedef struct cli_body {
 // nothing is replaced.
 kn_status cli_body_request(kn_ctx *ctx, char **text, size_t *bytes, const cli_body_plan *plan, double tolerance);
 kn_status cli_body_parse(kn_ctx *ctx, cli_body *out, const char *name, char *text, size_t bytes,
-                         const cli_body_plan *plan, const int *face, int nsurfaces);
+                         const cli_body_plan *plan, const int *face, const cli_base *base);
 void cli_body_clear(kn_ctx *ctx, cli_body *body);
 
 // ---- cli/body_run.c: the body of a run ----

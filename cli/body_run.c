@@ -147,8 +147,7 @@ static kn_status ask(kn_ctx *ctx, cli_body_run *run, const cli_apply *a, const c
     if (!written) status = kn_fail(ctx, KN_EIO, "a temporary file: %s", strerror(errno));
     if (status == KN_OK) status = cli_run_cad(ctx, &answer, &bytes, arguments, base->path, file);
     if (status == KN_OK)
-        status = cli_body_parse(ctx, &run->body, "knurl-cad", (char *)answer, bytes, plan, run->face,
-                                base->nsurfaces);
+        status = cli_body_parse(ctx, &run->body, "knurl-cad", (char *)answer, bytes, plan, run->face, base);
     if (status != KN_OK) kn_free(ctx, answer);
     if (file) fclose(file);
     kn_free(ctx, request);

@@ -99,11 +99,12 @@ static kn_status find_key(kn_ctx *ctx, kn_brep_key *key, const kn_spline *curve)
 }
 
 // What two patches share goes in twice, and is gone. An edge that is a point has no other side.
-static void count_edge(cli_border *b, const kn_patch_side *side)
+static void count_edge(cli_border *b, const kn_patch_side *side, int body)
 {
     if (side->collapsed) return;
-    b->odd.a ^= side->edge.key.a;
-    b->odd.b ^= side->edge.key.b;
+    kn_brep_key key = kn_brep_mix(side->edge.key, body);
+    b->odd.a ^= key.a;
+    b->odd.b ^= key.b;
 }
 
 static const int side_of[4] = {3, 1, 0, 2}; // edge 2 var + end as patch_net.h counts it
@@ -162,7 +163,7 @@ static kn_status look_at_edge(kn_ctx *ctx, cli_border *b, const kn_patch *patch,
                              .flat = flat,
                              .along = begin < finish,
                              .id = patch->id};
-        count_edge(b, &net->side[side_of[edge]]); // what becomes of it is for the plan to find
+        count_edge(b, &net->side[side_of[edge]], patch->body); // what becomes of it is for the plan to find
         kn_status status = add(ctx, b, patch, edge, &e);
         if (status != KN_OK) return status;
     }
@@ -181,7 +182,7 @@ static kn_status look_at(kn_ctx *ctx, cli_border *b, const kn_patch *patch)
     kn_patch_net net;
     kn_mark mark = kn_scratch_mark(ctx);
     kn_status status = kn_patch_net_load(ctx, &net, patch, 1.0, "texture");
-    for (int e = 0; status == KN_OK && e < 4; e++) count_edge(b, &net.side[e]);
+    for (int e = 0; status == KN_OK && e < 4; e++) count_edge(b, &net.side[e], patch->body);
     if (status == KN_OK && touches) status = kn_job_source(ctx, &d, &place, b->job, &patch->id);
     for (int edge = 0; status == KN_OK && touches && edge < 4; edge++)
         status = look_at_edge(ctx, b, patch, &net, &d, &place, edge);

@@ -105,7 +105,7 @@ typedef struct cli_base {
     int nsurfaces;
     const char *path;
     kn_cad cad;           // of a CAD file; else empty
-    int *face;            // of the model, that each surface is
+    int *face, *body;     // of the model, that each surface is, and of which body
     kn_trim *trims;       // of the surfaces, empty where a face is whole; NULL: all are
     kn_cad_joined joined; // what became of the edges between several faces; its surfaces are the base's
 } cli_base;

@@ -81,6 +81,7 @@ static kn_status add(kn_ctx *ctx, faces *f, int face, kn_spline *s, kn_trim *tri
     *s = (kn_spline){0}, *trim = (kn_trim){0};
     kn_patch *p = &f->patches[at];
     *p = (kn_patch){.id = {.surface = face, .part = f->look[face]}, .look = f->look[face], .exact = true};
+    p->body = f->cad->faces[face].body;
     const kn_spline *own = &f->splines[at];
     if (own->count[0] == own->degree[0] + 1 && own->count[1] == own->degree[1] + 1)
         p->bezier = (kn_bezier){.nvars = 2,

@@ -26,10 +26,12 @@ static kn_status copy_faces(kn_ctx *ctx, cli_base *out)
     for (int i = 0; i < cad->nfaces; i++) trimmed = trimmed || !cad->faces[i].whole;
     out->surfaces = kn_alloc_zero(ctx, n, sizeof *out->surfaces);
     out->face = kn_alloc(ctx, n, sizeof *out->face);
+    out->body = kn_alloc(ctx, n, sizeof *out->body);
     if (trimmed) out->trims = kn_alloc_zero(ctx, n, sizeof *out->trims);
-    kn_status status = out->surfaces && out->face && (out->trims || !trimmed) ? KN_OK : KN_ENOMEM;
+    bool room = out->surfaces && out->face && out->body && (out->trims || !trimmed);
+    kn_status status = room ? KN_OK : KN_ENOMEM;
     for (int i = 0; status == KN_OK && i < cad->nfaces; i++) {
-        out->face[i] = i;
+        out->face[i] = i, out->body[i] = cad->faces[i].body;
         status = kn_spline_copy(ctx, &out->surfaces[out->nsurfaces++], &cad->faces[i].surface);
         if (status == KN_OK && !cad->faces[i].whole) status = kn_trim_copy(ctx, &out->trims[i], &cad->faces[i].trim);
     }
@@ -74,6 +76,7 @@ void cli_base_clear(cli_session *session, cli_base *base)
     kn_free(cli_ctx(session), base->surfaces);
     kn_free(cli_ctx(session), base->trims);
     kn_free(cli_ctx(session), base->face);
+    kn_free(cli_ctx(session), base->body);
     kn_cad_clear(cli_ctx(session), &base->cad);
     kn_cad_joined_clear(cli_ctx(session), &base->joined);
     *base = (cli_base){0};
@@ -116,6 +119,7 @@ static void keep_faces(kn_ctx *ctx, cli_base *base, const bool *flags, int *plac
         if (base->trims) base->trims[i] = (kn_trim){0};
         if (base->trims) base->trims[kept] = trim;
         trimmed = trimmed || trim.nloops > 0;
+        base->body[kept] = base->body[i];
         base->face[kept++] = base->face[i];
     }
     base->nsurfaces = kept;
@@ -159,6 +163,7 @@ static kn_status choose(kn_ctx *ctx, cli_job *jobs, int njobs, cli_base *base)
         jobs[j].options.select.surfaces = chosen;
         jobs[j].options.select.nsurfaces = count;
         jobs[j].options.trims = base->trims;
+        jobs[j].options.bodies = base->body;
     }
     kn_free(ctx, flags);
     kn_free(ctx, place);

@@ -439,7 +439,8 @@ static kn_status put_bounded(kn_ctx *ctx, kn_iges_join *j, const bounds *b, uint
     kn_status status = edges && names && plane ? put_planes(ctx, j, b, plane) : KN_ENOMEM;
     for (size_t i = 0; i < n && status == KN_OK; i++) edges[i] = b->edges[i].edge;
     uint64_t end = j->next;
-    if (status == KN_OK) status = kn_brep_add(ctx, j->brep, edges, b->nedges, pairs, item->npairs, &end, names);
+    if (status == KN_OK)
+        status = kn_brep_add(ctx, j->brep, item->group, edges, b->nedges, pairs, item->npairs, &end, names);
     if (status == KN_OK) status = put_new(ctx, j, b, names);
     if (status == KN_OK && j->next != end)
         status = kn_fail(ctx, KN_EUNDECIDED, "IGES: number %llu belongs to nothing", (unsigned long long)j->next);

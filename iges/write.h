@@ -60,6 +60,7 @@ typedef struct kn_iges_item {
     kn_iges_kind kind;
     int look;
     kn_patch_id id;
+    int group;       // kn_patch.body
     int body, shell; // as kn_patch_bounds; body -1: not told
     bool reversed;
     size_t begin;

@@ -17,6 +17,7 @@ typedef struct entry {
     uint32_t body, uses;
     uint32_t vertex[2], pcurve; // of an edge
     bool forward, against, seed;
+    bool twice; // a seed for two faces, in opposite directions
 } entry;
 
 typedef struct table {
@@ -246,8 +247,11 @@ static kn_status take_vertices(kn_ctx *ctx, kn_brep *b, const kn_brep_edge *e, c
 static void join(kn_brep *b, const kn_brep_edge *e, entry *waiting, uint32_t *at)
 {
     uint32_t named = waiting->body, root = root_of(b, named);
-    bool odd = waiting->forward == e->forward;
-    take_out(&b->edges, waiting);
+    bool odd = waiting->forward == e->forward && !waiting->twice;
+    if (waiting->twice) // the other one is to run against this one
+        waiting->twice = false, waiting->forward = e->forward;
+    else
+        take_out(&b->edges, waiting);
     b->bodies[root].waiting--;
     if (odd) b->bodies[root].odd = true;
     *at = *at == NONE ? root : unite(b, *at, root);
@@ -329,8 +333,8 @@ static bool contradicts(const kn_brep *b, const kn_brep_key (*pairs)[2], int npa
     return false;
 }
 
-kn_status kn_brep_add(kn_ctx *ctx, kn_brep *b, const kn_brep_edge *edges, int n, const kn_brep_key (*pairs)[2],
-                      int npairs, uint64_t *next, kn_brep_name *names)
+static kn_status add_face(kn_ctx *ctx, kn_brep *b, const kn_brep_edge *edges, int n, const kn_brep_key (*pairs)[2],
+                          int npairs, uint64_t *next, kn_brep_name *names)
 {
     uint32_t at = NONE;
     kn_status status = KN_OK;
@@ -360,6 +364,33 @@ kn_status kn_brep_add(kn_ctx *ctx, kn_brep *b, const kn_brep_edge *edges, int n,
     for (int i = 0; i < n && status == KN_OK; i++)
         for (int k = 0; k < 2; k++) release_vertex(b, edges[i].vertex[k]);
     b->face = at;
+    return status;
+}
+
+// As faces of the group know them.
+static kn_brep_edge edge_in(int group, const kn_brep_edge *edge)
+{
+    kn_brep_edge e = *edge;
+    if (group == 0) return e;
+    e.key = kn_brep_mix(e.key, group);
+    for (int k = 0; k < 2; k++) e.vertex[k] = kn_brep_mix(e.vertex[k], group);
+    return e;
+}
+
+kn_status kn_brep_add(kn_ctx *ctx, kn_brep *b, int group, const kn_brep_edge *edges, int n,
+                      const kn_brep_key (*pairs)[2], int npairs, uint64_t *next, kn_brep_name *names)
+{
+    if (group == 0) return add_face(ctx, b, edges, n, pairs, npairs, next, names);
+    kn_mark mark = kn_scratch_mark(ctx);
+    int read = npairs < KN_BREP_PAIRS ? npairs : KN_BREP_PAIRS;
+    kn_brep_edge *own = kn_scratch(ctx, (size_t)n, sizeof *own);
+    kn_brep_key(*points)[2] = kn_scratch(ctx, (size_t)read, sizeof *points);
+    kn_status status = own && points ? KN_OK : KN_ENOMEM;
+    for (int i = 0; i < n && status == KN_OK; i++) own[i] = edge_in(group, &edges[i]);
+    for (int i = 0; i < 2 * read && status == KN_OK; i++)
+        points[i / 2][i % 2] = kn_brep_mix(pairs[i / 2][i % 2], group);
+    if (status == KN_OK) status = add_face(ctx, b, own, n, (const kn_brep_key(*)[2])points, npairs, next, names);
+    kn_scratch_release(ctx, mark);
     return status;
 }
 
@@ -441,11 +472,14 @@ kn_status kn_brep_hold(kn_ctx *ctx, kn_brep *b, int *out)
     return KN_OK;
 }
 
-kn_status kn_brep_seed(kn_ctx *ctx, kn_brep *b, int at, const kn_brep_edge *edge, uint64_t number,
+kn_status kn_brep_seed(kn_ctx *ctx, kn_brep *b, int group, int at, const kn_brep_edge *seed, uint64_t number,
                        const uint64_t vertex[2], bool against)
 {
-    if (find(&b->edges, edge->key))
-        return kn_fail(ctx, KN_EDOMAIN, "edge #%llu is there twice", (unsigned long long)number);
+    const kn_brep_edge own = edge_in(group, seed), *edge = &own;
+    entry *twin = find(&b->edges, edge->key);
+    bool pair = twin && twin->number == number && twin->body == (uint32_t)at && !twin->twice &&
+                twin->forward != edge->forward && twin->against == against;
+    if (twin && !pair) return kn_fail(ctx, KN_EDOMAIN, "edge #%llu is there twice", (unsigned long long)number);
     for (int k = 0; k < 2; k++) {
         const entry *v = find(&b->vertices, edge->vertex[k]);
         if (v && v->number != vertex[k])
@@ -463,7 +497,10 @@ kn_status kn_brep_seed(kn_ctx *ctx, kn_brep *b, int at, const kn_brep_edge *edge
     }
     entry fresh = {.key = edge->key, .number = number, .body = (uint32_t)at, .uses = 1};
     fresh.forward = edge->forward, fresh.against = against, fresh.seed = true;
-    if (status == KN_OK) status = insert(ctx, &b->edges, &fresh, NULL);
+    if (pair)
+        twin->twice = true;
+    else if (status == KN_OK)
+        status = insert(ctx, &b->edges, &fresh, NULL);
     if (status == KN_OK) b->bodies[at].waiting++, b->bodies[at].refs++;
     return status;
 }

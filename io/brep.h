@@ -52,14 +52,15 @@ typedef struct kn_brep kn_brep;
 kn_status kn_brep_create(kn_ctx *ctx, kn_brep **out);
 void kn_brep_destroy(kn_ctx *ctx, kn_brep *b); // NULL is fine
 
-// One more face with n edges. names[i]: of edges[i]; new vertices take one number each from *next on, in their order, then
-// new edges two each: its curve's is the one before. Equal edges of one face (a seam) become one. The face's own number is told afterwards.
+// One more face with n edges, which shares them with faces of its group alone. names[i]: of edges[i]; new vertices take
+// one number each from *next on, in their order, then new edges two each: its curve's is the one before. Equal edges of
+// one face (a seam) become one. The face's own number is told afterwards.
 // pairs: npairs of vertices that are one, because an edge between them is a point. Where both have numbers already, and
 // different ones, or where there are more than KN_BREP_PAIRS (others are then not read), the face stands alone: its names
 // are new, and its body is never closed.
 // fails: KN_ENOMEM, KN_ELIMIT; the file is lost then.
-kn_status kn_brep_add(kn_ctx *ctx, kn_brep *b, const kn_brep_edge *edges, int n, const kn_brep_key (*pairs)[2],
-                      int npairs, uint64_t *next, kn_brep_name *names);
+kn_status kn_brep_add(kn_ctx *ctx, kn_brep *b, int group, const kn_brep_edge *edges, int n,
+                      const kn_brep_key (*pairs)[2], int npairs, uint64_t *next, kn_brep_name *names);
 // The number and the look of the face added last. *closed: the body that it closed, none of whose edges waits for
 // another face and each of which two faces use in opposite directions; KN_BREP_NONE: none, or one that is held.
 kn_status kn_brep_end_face(kn_ctx *ctx, kn_brep *b, uint64_t number, int look, int *closed);
@@ -72,10 +73,11 @@ kn_status kn_brep_append(kn_ctx *ctx, kn_brep *b, int at, uint64_t number, int l
 // ---- bodies of others, whose edges are there before the faces ----
 // A body that is told and found again by kn_brep_root, and never told to be closed.
 kn_status kn_brep_hold(kn_ctx *ctx, kn_brep *b, int *out);
-// A face of that body uses the edge already, in the direction of its key or not (forward): what it and its vertices
-// are called, and whether the edge of that name runs against that direction.
-// fails: KN_EDOMAIN there is an edge of this key, or a vertex of one of these keys with another number.
-kn_status kn_brep_seed(kn_ctx *ctx, kn_brep *b, int at, const kn_brep_edge *edge, uint64_t number,
+// A face of that body, for those of a group, uses the edge already, in the direction of its key or not (forward): what it and its vertices
+// are called, and whether the edge of that name runs against that direction. Twice, once for each direction: two faces
+// are to come.
+// fails: KN_EDOMAIN there is another edge of this key, or a vertex of one of these keys with another number.
+kn_status kn_brep_seed(kn_ctx *ctx, kn_brep *b, int group, int at, const kn_brep_edge *edge, uint64_t number,
                        const uint64_t vertex[2], bool against);
 // The face that was added last belongs to this body.
 void kn_brep_tie(kn_brep *b, int at);

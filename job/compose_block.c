@@ -140,6 +140,7 @@ static kn_patch *next_patch(kn_ctx *ctx, composer *c, const kn_job_patch *from, 
                     before->cell[0] == to->id.cell[0] && before->cell[1] == to->id.cell[1];
         to->id.piece = same ? before->piece + 1 : 0;
     }
+    to->body = s->body;
     to->look = kn_job_look_of(c->job, to->id.part, c->steps);
     to->reversed = (c->job->options.height < 0.0) != (from && from->mirrored);
     to->exact = key->exact;

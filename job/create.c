@@ -42,7 +42,7 @@ static kn_status plan(kn_ctx *ctx, kn_job *job, const kn_spline *surfaces, int n
     if (status == KN_OK) status = kn_job_plan(ctx, job);
     kn_job_bases_clear(ctx, &bases);
     job->options.thickness = job->options.direction = job->options.attraction = NULL; // the caller's
-    job->options.trims = NULL;
+    job->options.trims = NULL, job->options.bodies = NULL;
     return status;
 }
 

@@ -10,7 +10,7 @@ typedef struct edge_points {
     double *point;  // 3 n numbers, projected
     double *weight; // n, over the largest
     double *knot;   // n + degree + 1
-    int n, degree, index;
+    int n, degree, index, body;
     bool collapsed;
     double key; // for sorting: near one another where edges coincide, in either direction
 } edge_points;
@@ -62,7 +62,7 @@ static bool same_curve(const edge_points *a, const edge_points *b, bool backward
 
 static bool coincide(bool *reversed, const edge_points *a, const edge_points *b, double tol)
 {
-    if (a->n != b->n || a->degree != b->degree || a->collapsed || b->collapsed) return false;
+    if (a->n != b->n || a->degree != b->degree || a->body != b->body || a->collapsed || b->collapsed) return false;
     *reversed = !same_curve(a, b, false, tol);
     return !*reversed || same_curve(a, b, true, tol);
 }
@@ -94,15 +94,15 @@ static void find_pairs(kn_job_partner *partners, const edge_points *edges, int n
         }
 }
 
-kn_status kn_job_find_partners(kn_ctx *ctx, kn_job_partner *partners, const kn_spline *surfaces, int nsurfaces,
-                               double tol)
+kn_status kn_job_find_partners(kn_ctx *ctx, kn_job_partner *partners, const kn_spline *surfaces, const int *bodies,
+                               int nsurfaces, double tol)
 {
     int n = 4 * nsurfaces;
     edge_points *edges = kn_alloc_zero(ctx, (size_t)n, sizeof *edges);
     kn_status status = edges ? KN_OK : KN_ENOMEM;
     for (int e = 0; status == KN_OK && e < n; e++) {
         status = edge_init(ctx, &edges[e], &surfaces[e / 4], e % 4, tol);
-        edges[e].index = e;
+        edges[e].index = e, edges[e].body = bodies[e / 4];
     }
     if (status == KN_OK) {
         qsort(edges, (size_t)n, sizeof *edges, compare_keys);

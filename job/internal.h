@@ -80,6 +80,7 @@ typedef struct kn_job_term {
 } kn_job_term;
 
 typedef struct kn_job_surface {
+    int body;                   // kn_job_options.bodies
     int origin, origin_cell[2]; // kn_job_origin; no two surfaces of one origin have a cell number in common
     int part[2], parts[2];      // which part of the origin's grid of parts, which follow one another, u slowest
     int count[2];               // as kn_job_base
@@ -201,7 +202,7 @@ double kn_job_mean_length(const kn_job_measure *m, int along);
 // ---- split.c ----
 // A part of a base: the whole of it, or what lies between its creases. Splines that are empty are not there.
 typedef struct kn_job_base {
-    int origin, part[2], parts[2];
+    int origin, body, part[2], parts[2];
     int count[2];                               // of cells, where rows ask for them; 0: by the options
     kn_spline volume;                           // over [0,1] in w
     kn_spline thickness, direction, attraction; // over the part's domain; their knots are knots of its face
@@ -286,9 +287,9 @@ void kn_job_least_degrees(int least[3][KN_JOB_VARS], const kn_job *job, const kn
 void kn_job_raise(int degree[KN_JOB_VARS], const int least[3][KN_JOB_VARS], const int term[2], int power);
 
 // ---- edges.c ----
-// partners: 4 for each surface.
-kn_status kn_job_find_partners(kn_ctx *ctx, kn_job_partner *partners, const kn_spline *surfaces, int nsurfaces,
-                               double tol);
+// partners: 4 for each surface, of the same body.
+kn_status kn_job_find_partners(kn_ctx *ctx, kn_job_partner *partners, const kn_spline *surfaces, const int *bodies,
+                               int nsurfaces, double tol);
 // partner[].goes_on of all surfaces, whose shells and lines are there, for the heights w that the tile occupies.
 // Beyond a crease the tile would be torn.
 kn_status kn_job_match_edges(kn_ctx *ctx, kn_job *job, const double w[2]);

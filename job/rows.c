@@ -20,7 +20,10 @@ static kn_status find_classes(kn_ctx *ctx, kn_job_class *classes, const kn_job_b
 {
     kn_mark mark = kn_scratch_mark(ctx);
     kn_job_partner *partners = kn_scratch(ctx, 4 * (size_t)bases->n, sizeof *partners);
-    kn_status status = partners ? kn_job_find_partners(ctx, partners, bases->faces, bases->n, tol) : KN_ENOMEM;
+    int *bodies = kn_scratch(ctx, (size_t)bases->n, sizeof *bodies);
+    kn_status status = partners && bodies ? KN_OK : KN_ENOMEM;
+    for (int i = 0; status == KN_OK && i < bases->n; i++) bodies[i] = bases->list[i].body;
+    if (status == KN_OK) status = kn_job_find_partners(ctx, partners, bases->faces, bodies, bases->n, tol);
     for (int i = 0; status == KN_OK && i < bases->n; i++) {
         const kn_job_base *b = &bases->list[i];
         if (b->part[0] + 1 < b->parts[0] && partners[4 * i + 1].edge < 0)
@@ -78,7 +81,8 @@ static kn_status add_band(kn_ctx *ctx, kn_job_bases *bases, const kn_job_base *p
     kn_job_base *to = &bases->list[bases->n];
     kn_spline *s = &bases->faces[bases->n++];
     double lo[2], hi[2];
-    *to = (kn_job_base){.origin = part->origin, .part = {part->part[0], 0}, .parts = {part->parts[0], 0}};
+    *to = (kn_job_base){
+        .origin = part->origin, .body = part->body, .part = {part->part[0], 0}, .parts = {part->parts[0], 0}};
     *s = (kn_spline){0};
     for (int v = 0; v < 2; v++) kn_spline_domain(face, v, &lo[v], &hi[v]);
     if (band) lo[1] = band->lo, hi[1] = band->hi;

@@ -125,7 +125,12 @@ static kn_status measure_all(kn_ctx *ctx, sizes *z, const kn_spline *surfaces, i
 static kn_status count_cells(kn_ctx *ctx, kn_job *job, sizes *z, const kn_spline *surfaces)
 {
     int n = job->nsurfaces;
-    kn_status status = kn_job_find_partners(ctx, z->partners, surfaces, n, 1e-9 * job->diagonal);
+    kn_mark mark = kn_scratch_mark(ctx);
+    int *bodies = kn_scratch(ctx, (size_t)n, sizeof *bodies);
+    kn_status status = bodies ? KN_OK : KN_ENOMEM;
+    for (int s = 0; status == KN_OK && s < n; s++) bodies[s] = job->surfaces[s].body;
+    if (status == KN_OK) status = kn_job_find_partners(ctx, z->partners, surfaces, bodies, n, 1e-9 * job->diagonal);
+    kn_scratch_release(ctx, mark);
     if (status == KN_OK) status = kn_job_find_classes(ctx, z->classes, z->partners, n);
     if (status == KN_OK) status = kn_job_counts(ctx, z->counts, job, surfaces, z->measures, z->classes);
     for (int s = 0; status == KN_OK && s < n; s++) {

@@ -241,6 +241,7 @@ kn_status kn_job_split(kn_ctx *ctx, kn_job_bases *bases, kn_job *job, const kn_s
     for (int s = 0; s < nsurfaces && status == KN_OK; s++)
         status = surfaces[s].nvars == 3 ? add_volume(ctx, bases, &surfaces[s], s)
                                         : add_surface(ctx, bases, o, &surfaces[s], s);
+    for (int i = 0; i < bases->n && o->bodies; i++) bases->list[i].body = o->bodies[bases->list[i].origin];
     if (status == KN_OK && o->rows) status = kn_job_cut_rows(ctx, bases, job);
     if (status == KN_OK) status = measure_w(ctx, &job->w_length, o, bases);
     if (status == KN_OK) job->surfaces = kn_alloc_zero(ctx, (size_t)bases->n, sizeof *job->surfaces);
@@ -251,7 +252,7 @@ kn_status kn_job_split(kn_ctx *ctx, kn_job_bases *bases, kn_job *job, const kn_s
     job->report.nparts = bases->n;
     for (int i = 0; i < bases->n; i++) {
         const kn_job_base *b = &bases->list[i];
-        job->surfaces[i].origin = b->origin;
+        job->surfaces[i].origin = b->origin, job->surfaces[i].body = b->body;
         for (int v = 0; v < 2; v++) {
             job->surfaces[i].part[v] = b->part[v], job->surfaces[i].parts[v] = b->parts[v];
             job->surfaces[i].count[v] = b->count[v];

@@ -39,6 +39,7 @@ static void take_surface(uint64_t *h, const kn_job_surface *s)
 {
     take_spline(h, kn_shell_surface(s->shell));
     take_spline(h, kn_shell_normal(s->shell));
+    take(h, (uint64_t)s->body);
     for (int v = 0; v < 2; v++) take_numbers(h, s->lines[v], (size_t)s->cells[v] + 1);
     take_numbers(h, s->jacobian, 2); // of T with its fields
 }

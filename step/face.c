@@ -207,7 +207,8 @@ static uint32_t put_plane_curves(kn_text *text, kn_step_item *item, const kn_pat
 
 kn_status kn_step_put_face(kn_text *text, kn_step_item *item, kn_step_lists *lists, const kn_patch *patch, double mm)
 {
-    *item = (kn_step_item){.kind = KN_STEP_FACE, .look = patch->look, .id = patch->id, .body = -1};
+    *item = (kn_step_item){
+        .kind = KN_STEP_FACE, .look = patch->look, .id = patch->id, .group = patch->body, .body = -1};
     item->reversed = patch->reversed, item->exact = patch->exact;
     if (patch->trim && patch->trim->nloops > 0) return kn_step_put_trimmed(text, item, lists, patch, mm);
     kn_patch_net f;

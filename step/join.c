@@ -49,7 +49,7 @@ static kn_status seed(kn_ctx *ctx, kn_step_join *j, const kn_step_seed *s, doubl
         uint64_t vertex[2] = {s->vertex[turned], s->vertex[!turned]};
         e.forward = s->forward != turned;
         for (int k = 0; k < 2; k++) e.vertex[k] = kn_brep_hash(&unused, end[turned ? 1 - k : k], 3, 1, 1, 0);
-        status = kn_brep_seed(ctx, j->brep, j->held[s->shell], &e, s->edge, vertex, s->along == turned);
+        status = kn_brep_seed(ctx, j->brep, s->body, j->held[s->shell], &e, s->edge, vertex, s->along == turned);
     }
     kn_scratch_release(ctx, mark);
     return status;
@@ -356,7 +356,8 @@ static kn_status put_bounded(kn_ctx *ctx, kn_step_join *j, kn_text *out, const b
         edges[i].pcurve = b->edges[i].pcurve > 0 ? b->base + b->edges[i].pcurve : 0;
     }
     int closed = KN_BREP_NONE;
-    if (status == KN_OK) status = kn_brep_add(ctx, j->brep, edges, b->nedges, pairs, item->npairs, &j->next, names);
+    if (status == KN_OK)
+        status = kn_brep_add(ctx, j->brep, item->group, edges, b->nedges, pairs, item->npairs, &j->next, names);
     if (status == KN_OK) {
         put_edges(j, out, b, names);
         const kn_step_edge *e = b->edges;

@@ -56,6 +56,7 @@ typedef struct kn_step_item {
     kn_step_kind kind;
     int look;
     kn_patch_id id;
+    int group;       // kn_patch.body
     int body, shell; // as kn_patch_bounds; body -1: not told
     bool reversed, exact;
     size_t text_begin, text_end;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// kn_occt_write_knob.
+// kn_occt_write_knob, kn_occt_write_boxes.
 #include <cmath>
 
 #include <BRepAdaptor_Curve.hxx>
@@ -7,6 +7,7 @@
 #include <BRepBuilderAPI_MakeFace.hxx>
 #include <BRepBuilderAPI_MakePolygon.hxx>
 #include <BRepFilletAPI_MakeFillet.hxx>
+#include <BRepPrimAPI_MakeBox.hxx>
 #include <BRepPrimAPI_MakeRevol.hxx>
 #include <Quantity_Color.hxx>
 #include <STEPCAFControl_Writer.hxx>
@@ -17,6 +18,7 @@
 #include <TDataStd_Name.hxx>
 #include <TDocStd_Document.hxx>
 #include <TopExp_Explorer.hxx>
+#include <TopLoc_Location.hxx>
 #include <TopoDS.hxx>
 #include <Transfer_FinderProcess.hxx>
 #include <XCAFDoc_ColorTool.hxx>
@@ -25,6 +27,7 @@
 #include <XSControl_TransferWriter.hxx>
 #include <XSControl_WorkSession.hxx>
 #include <gp_Ax1.hxx>
+#include <gp_Trsf.hxx>
 
 #include "bridges/occt/guard.hpp"
 #include "bridges/occt/occt_knob.h"
@@ -90,6 +93,27 @@ kn_status kn_occt_write_knob(kn_ctx *ctx, const char *path)
         Handle(StepRepr_RepresentationItem)
             face = STEPConstruct::FindEntity(writer.ChangeWriter().WS()->TransferWriter()->FinderProcess(), grip);
         if (!face.IsNull()) face->SetName(new TCollection_HAsciiString("grip")); // OCCT writes no names of faces
+        if (writer.Write(path) != IFSelect_RetDone) return kn_fail(ctx, KN_EIO, "%s: cannot write", path);
+        return KN_OK;
+    });
+}
+
+kn_status kn_occt_write_boxes(kn_ctx *ctx, const char *path)
+{
+    return kn_occt::guarded(ctx, path, [&] {
+        Handle(TDocStd_Document) document = new TDocStd_Document("BinXCAF");
+        XCAFDoc_DocumentTool::Set(document->Main());
+        Handle(XCAFDoc_ShapeTool) shapes = XCAFDoc_DocumentTool::ShapeTool(document->Main());
+        TDF_Label assembly = shapes->NewShape();
+        for (int i = 0; i < 2; i++) {
+            gp_Trsf place;
+            place.SetTranslation(gp_Vec(40.0 * i, 0, 0));
+            TDF_Label part = shapes->AddShape(BRepPrimAPI_MakeBox(10.0, 20.0, 30.0).Shape(), Standard_False);
+            shapes->AddComponent(assembly, part, TopLoc_Location(place));
+        }
+        shapes->UpdateAssemblies();
+        STEPCAFControl_Writer writer;
+        if (!writer.Transfer(document)) return kn_fail(ctx, KN_EUNDECIDED, "%s: OCCT cannot write it", path);
         if (writer.Write(path) != IFSelect_RetDone) return kn_fail(ctx, KN_EIO, "%s: cannot write", path);
         return KN_OK;
     });

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A part for tests and examples, made with Open CASCADE as one is made in a CAD system.
+// Parts for tests and examples, made with Open CASCADE as they are made in a CAD system.
 #ifndef BRIDGES_OCCT_KNOB_H
 #define BRIDGES_OCCT_KNOB_H
 
@@ -14,6 +14,10 @@ extern "C" {
 // between these "grip", black, a cylinder of radius 12 from z = 9 to 18.5.
 // fails: KN_EIO the file, KN_EUNDECIDED OCCT threw.
 KN_CHECKED kn_status kn_occt_write_knob(kn_ctx *ctx, const char *path);
+
+// Two boxes of 10 by 20 by 30 mm from the origin on, which are the same in their own coordinates and yet two parts of an
+// assembly, 40 mm apart: 12 faces, 6 of each. fails: as before.
+KN_CHECKED kn_status kn_occt_write_boxes(kn_ctx *ctx, const char *path);
 
 #ifdef __cplusplus
 }

@@ -189,6 +189,9 @@ typedef struct kn_job_options {
     // read while the job is planned. Sides of the square are no borders: there `border` holds. NULL: all of all. Not
     // for volumes, nor with KN_CELLS_FREE.
     const kn_trim *trims;
+    // The body that each surface of the base belongs to: those of different bodies share no edges, even where they
+    // coincide (equal parts of an assembly, each in its own coordinates). Read while the job is planned. NULL: one.
+    const int *bodies;
     kn_job_trimmed trimmed;
     const kn_job_vary *vary;   // nvary of them, borrowed with all that they point to
     const kn_job_color *color; // ncolor of them
@@ -280,6 +283,7 @@ typedef struct kn_patch_bounds {
 typedef struct kn_patch {
     kn_patch_id id;
     int look; // part of the tile that sinks begin with (kn_job_look_tile): by it they choose name and material
+    int body; // of the base (kn_job_options.bodies): patches of different bodies share no edges
     // One to three variables, 3 components or 4 homogeneous ones; borrowed, valid during the call, as all that
     // follows.
     kn_bezier bezier;

@@ -23,6 +23,7 @@ typedef struct kn_step_seed { // an edge of the body that an edge of a patch is,
     uint32_t edge;            // EDGE_CURVE
     uint32_t vertex[2];       // VERTEX_POINTs at the curve's start and end
     bool along;               // EDGE_CURVE runs along the curve
+    int body;                 // of the patches whose edges it is (kn_patch.body)
     int shell;                // of the host's shells: that of the face which stays and uses the edge
     bool forward;             // the boundary of that face runs along the curve, counterclockwise seen from outside
 } kn_step_seed;

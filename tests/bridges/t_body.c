@@ -305,6 +305,42 @@ static void rod(void **state)
     clear(&s);
 }
 
+// All sides of two parts that coincide in their own coordinates, and neighbours among them at right angles, which come
+// down to the edges between them. Each part is a solid by itself.
+static void boxes(void **state)
+{
+    (void)state;
+    char *said, g2[TEST_PATH_BYTES];
+    scene s;
+    make(&s);
+    test_tmp_path(g2, "boxes.g2");
+    if (kn_occt_write_boxes(s.ctx, s.knob) != KN_OK) fail_msg("%s", kn_ctx_message(s.ctx));
+    // x and y = 0: no part of (1/3) int x . dA
+    const char *const faces[] = {"near:0,10,15+near:5,0,15", "0-11"};
+    for (int k = 0; k < 2; k++) {
+        int replaced = k == 0 ? 2 : 12;
+        int code = apply(
+            &said,
+            "'%s' --faces '%s' --tile bump --count 3 --taper 2 --height 0.5 --body replace --json -o '%s' "
+            "-o '%s'",
+            s.knob, faces[k], s.out, g2);
+        if (code != 0) fail_msg("%s", said);
+        expect_body(said, "replace", replaced, 12 - replaced, true);
+        free(said);
+        kn_occt_report r = check_file(s.ctx, s.out);
+        assert_int_equal(r.solids, 2);
+        assert_int_equal(r.closed_shells, 2);
+        assert_int_equal(r.shells, 2);
+        assert_int_equal(r.free_edges, 0);
+        assert_true(r.valid);
+        double expected = volume_of(s.ctx, g2) + (k == 0 ? 2.0 * 10.0 * 20.0 * 30.0 : 0.0);
+        assert_true(fabs(r.volume - expected) <= 1e-6 * expected);
+        assert_true(r.volume > 2.0 * 10.0 * 20.0 * 30.0); // the texture is outside
+    }
+    remove(g2);
+    clear(&s);
+}
+
 // The same protocol as asked for, in all of the file.
 static void protocols(void **state)
 {
@@ -411,8 +447,8 @@ int main(void)
 #endif
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(limited_knob), cmocka_unit_test(covered_knob), cmocka_unit_test(cannot_replace),
-        cmocka_unit_test(sheet),        cmocka_unit_test(recipes),      cmocka_unit_test(knurled_knob),
-        cmocka_unit_test(rod),          cmocka_unit_test(protocols),
+        cmocka_unit_test(boxes),        cmocka_unit_test(sheet),        cmocka_unit_test(recipes),
+        cmocka_unit_test(knurled_knob), cmocka_unit_test(rod),          cmocka_unit_test(protocols),
     };
     return _cmocka_run_group_tests("bridges/body", tests, sizeof tests / sizeof *tests - left_out, NULL, NULL);
 }

@@ -49,7 +49,7 @@ static void add(kn_ctx *ctx, kn_brep *b, const grid *g, int i, int j, count *c)
     kn_brep_name names[4];
     int closed;
     for (int k = 0; k < 4; k++) edges[k] = make_edge(g, i, j, k);
-    assert_int_equal(kn_brep_add(ctx, b, edges, 4, NULL, 0, &c->next, names), KN_OK);
+    assert_int_equal(kn_brep_add(ctx, b, 0, edges, 4, NULL, 0, &c->next, names), KN_OK);
     for (int k = 0; k < 4; k++) {
         c->edges += names[k].new_edge;
         for (int e = 0; e < 2; e++) c->vertices += names[k].new_vertex[e];
@@ -152,7 +152,7 @@ static void lists_of_faces(void **state)
         kn_brep_name names[4];
         int closed;
         for (int k = 0; k < 4; k++) edges[k] = make_edge(&g, i, 0, k);
-        assert_int_equal(kn_brep_add(ctx, b, edges, 4, NULL, 0, &next, names), KN_OK);
+        assert_int_equal(kn_brep_add(ctx, b, 0, edges, 4, NULL, 0, &next, names), KN_OK);
         next += (uint64_t)1 << test_int(&rng, 0, 40);
         number[i] = next, look[i] = test_int(&rng, 0, 3) ? (i > 0 ? look[i - 1] : 0) : test_int(&rng, 0, 300);
         assert_int_equal(kn_brep_end_face(ctx, b, number[i], look[i], &closed), KN_OK);
@@ -194,13 +194,13 @@ static void odd_ones(void **state)
     kn_brep_key back = kn_brep_hash(&turned, x[2], 3, 1, 3, -3);
     assert_true(there.a == back.a && there.b == back.b && turned != before);
     for (int k = 0; k < 2; k++) {
-        assert_int_equal(kn_brep_add(ctx, b, &one, 1, NULL, 0, &next, names), KN_OK);
+        assert_int_equal(kn_brep_add(ctx, b, 0, &one, 1, NULL, 0, &next, names), KN_OK);
         assert_int_equal(kn_brep_end_face(ctx, b, next++, 0, &closed), KN_OK);
         assert_int_equal(closed, KN_BREP_NONE);
     }
     kn_brep_edge seam[2] = {{.key = {3, 4}, .vertex = {{5, 5}, {6, 6}}, .forward = true}};
     seam[1] = seam[0], seam[1].forward = false;
-    assert_int_equal(kn_brep_add(ctx, b, seam, 2, NULL, 0, &next, names), KN_OK);
+    assert_int_equal(kn_brep_add(ctx, b, 0, seam, 2, NULL, 0, &next, names), KN_OK);
     assert_true(names[0].new_edge && !names[1].new_edge && names[0].edge == names[1].edge);
     assert_int_equal(kn_brep_end_face(ctx, b, next++, 0, &closed), KN_OK);
     assert_int_not_equal(closed, KN_BREP_NONE);
@@ -208,16 +208,16 @@ static void odd_ones(void **state)
     kn_brep_edge fan[2] = {{.key = {7, 7}, .vertex = {{10, 0}, {20, 0}}, .forward = true},
                            {.key = {8, 8}, .vertex = {{11, 0}, {20, 0}}, .forward = false}};
     const kn_brep_key pair[1][2] = {{{10, 0}, {11, 0}}};
-    assert_int_equal(kn_brep_add(ctx, b, fan, 2, pair, 1, &next, names), KN_OK);
+    assert_int_equal(kn_brep_add(ctx, b, 0, fan, 2, pair, 1, &next, names), KN_OK);
     assert_true(names[0].vertex[0] == names[1].vertex[0] && names[0].vertex[1] == names[1].vertex[1]);
     assert_int_equal(names[0].new_vertex[0] + names[1].new_vertex[0], 1);
     kn_brep_edge apart[2] = {{.key = {9, 9}, .vertex = {{10, 0}, {30, 0}}},
                              {.key = {9, 1}, .vertex = {{12, 0}, {40, 0}}}};
-    assert_int_equal(kn_brep_add(ctx, b, apart, 2, NULL, 0, &next, names), KN_OK);
+    assert_int_equal(kn_brep_add(ctx, b, 0, apart, 2, NULL, 0, &next, names), KN_OK);
     assert_int_equal(kn_brep_end_face(ctx, b, next++, 0, &closed), KN_OK);
     const kn_brep_key conflict[1][2] = {{{10, 0}, {12, 0}}};
     kn_brep_edge last[1] = {{.key = {7, 7}, .vertex = {{10, 0}, {20, 0}}, .forward = false}};
-    assert_int_equal(kn_brep_add(ctx, b, last, 1, conflict, 1, &next, names), KN_OK);
+    assert_int_equal(kn_brep_add(ctx, b, 0, last, 1, conflict, 1, &next, names), KN_OK);
     assert_true(names[0].new_edge && names[0].new_vertex[0] && names[0].new_vertex[1]);
     assert_int_equal(kn_brep_end_face(ctx, b, next++, 0, &closed), KN_OK);
     assert_int_equal(closed, KN_BREP_NONE);
@@ -271,7 +271,7 @@ static kn_status starved(kn_ctx *ctx, void *user)
         kn_brep_edge edges[4];
         kn_brep_name names[4];
         for (int e = 0; e < 4; e++) edges[e] = make_edge(&g, k % 12, k / 12, e);
-        status = kn_brep_add(ctx, b, edges, 4, NULL, 0, &next, names);
+        status = kn_brep_add(ctx, b, 0, edges, 4, NULL, 0, &next, names);
         if (status == KN_OK) status = kn_brep_end_face(ctx, b, next++, 0, &closed);
     }
     kn_brep_destroy(ctx, b);
@@ -317,7 +317,7 @@ static void one_face(void **state)
     make_ring(edges, N, 0.0);
     edges[7].key = edges[100].key = edges[3].key;
     edges[7].forward = false;
-    assert_int_equal(kn_brep_add(ctx, b, edges, N, NULL, 0, &next, names), KN_OK);
+    assert_int_equal(kn_brep_add(ctx, b, 0, edges, N, NULL, 0, &next, names), KN_OK);
     assert_int_equal(next, 1 + N + 2 * (N - 1)); // vertices, and edges but the seam's second use
     assert_true(names[3].seam && names[3].last && names[3].new_edge && !names[7].new_edge);
     assert_int_equal(names[7].edge, names[3].edge);
@@ -330,14 +330,14 @@ static void one_face(void **state)
     assert_false(odd);
     // the same edges between other vertices
     for (int i = 0; i < N; i++) edges[i].forward = !edges[i].forward, edges[i].vertex[0] = number_key(1000 + i);
-    assert_int_equal(kn_brep_add(ctx, b, edges, N, NULL, 0, &next, names), KN_OK);
+    assert_int_equal(kn_brep_add(ctx, b, 0, edges, N, NULL, 0, &next, names), KN_OK);
     assert_int_equal(kn_brep_end_face(ctx, b, next++, 0, &closed), KN_OK);
     // more pairs than are read: all names are new, the last number that of the last edge
     make_ring(edges, N, 5000.0);
     for (int i = 0; i < KN_BREP_PAIRS; i++) pairs[i][0] = edges[i].vertex[0], pairs[i][1] = number_key(9000 + i);
     uint64_t before = next;
-    assert_int_equal(kn_brep_add(ctx, b, edges, N, (const kn_brep_key(*)[2])pairs, KN_BREP_PAIRS + 1, &next, names),
-                     KN_OK);
+    assert_int_equal(
+        kn_brep_add(ctx, b, 0, edges, N, (const kn_brep_key(*)[2])pairs, KN_BREP_PAIRS + 1, &next, names), KN_OK);
     assert_int_equal(next, before + 3 * N);
     for (int i = 0; i < N; i++) {
         assert_true(names[i].new_edge && names[i].last);
@@ -348,10 +348,87 @@ static void one_face(void **state)
     test_ctx_end(ctx, &memory);
 }
 
+// Equal rings of two groups are two bodies; equal ones of one group close it.
+static void groups(void **state)
+{
+    (void)state;
+    enum { N = 5 };
+    test_memory memory = TEST_MEMORY_INIT;
+    kn_ctx *ctx = test_ctx(&memory, 1);
+    kn_brep *b = NULL;
+    kn_brep_edge edges[N];
+    kn_brep_name names[N];
+    kn_brep_key pair[1][2] = {{number_key(70), number_key(71)}};
+    uint64_t next = 1;
+    int closed;
+    assert_int_equal(kn_brep_create(ctx, &b), KN_OK);
+    for (int round = 0; round < 2; round++) {
+        make_ring(edges, N, 0.0);
+        for (int i = 0; i < N; i++) edges[i].forward = round == 0;
+        for (int group = 0; group < 3; group++) {
+            assert_int_equal(kn_brep_add(ctx, b, group, edges, N, (const kn_brep_key(*)[2])pair, 1, &next, names),
+                             KN_OK);
+            for (int i = 0; i < N; i++)
+                assert_true(names[i].new_edge == (round == 0) && names[i].last == (round == 1));
+            assert_int_equal(kn_brep_end_face(ctx, b, next++, 0, &closed), KN_OK);
+            assert_true((closed != KN_BREP_NONE) == (round == 1));
+            if (closed != KN_BREP_NONE) kn_brep_drop(b, closed);
+        }
+    }
+    assert_int_equal(next, 1 + 3 * (N + 2 * N + 2)); // vertices, edges, two faces
+    kn_brep_destroy(ctx, b);
+    test_ctx_end(ctx, &memory);
+}
+
+// An edge of a body of others that two faces to come have: once for each direction, whichever comes first. A third
+// time, or in the same direction, or by another name, it is refused.
+static void seeds_for_two(void **state)
+{
+    (void)state;
+    test_memory memory = TEST_MEMORY_INIT;
+    kn_ctx *ctx = test_ctx(&memory, 1);
+    for (int first = 0; first < 2; first++) {
+        kn_brep *b = NULL;
+        kn_brep_edge ring[3], edge;
+        kn_brep_name names[3];
+        const uint64_t vertex[2] = {501, 502};
+        uint64_t next = 1;
+        int held, closed;
+        bool odd;
+        assert_int_equal(kn_brep_create(ctx, &b), KN_OK);
+        assert_int_equal(kn_brep_hold(ctx, b, &held), KN_OK);
+        make_ring(ring, 3, 0.0);
+        edge = ring[1];
+        for (int k = 0; k < 2; k++) {
+            edge.forward = k == 0;
+            assert_int_equal(kn_brep_seed(ctx, b, 4, held, &edge, 500, vertex, true), KN_OK);
+            if (k == 0) assert_int_equal(kn_brep_seed(ctx, b, 4, held, &edge, 500, vertex, true), KN_EDOMAIN);
+        }
+        assert_int_equal(kn_brep_seed(ctx, b, 4, held, &edge, 500, vertex, true), KN_EDOMAIN);
+        assert_int_equal(kn_brep_seed(ctx, b, 4, held, &edge, 499, vertex, true), KN_EDOMAIN);
+        kn_ctx_clear_error(ctx);
+        assert_int_equal(kn_brep_waiting(b, held, &odd), 2);
+        for (int face = 0; face < 2; face++) {
+            for (int i = 0; i < 3; i++) ring[i].forward = face == first;
+            assert_int_equal(kn_brep_add(ctx, b, 4, ring, 3, NULL, 0, &next, names), KN_OK);
+            assert_int_equal(names[1].edge, 500);
+            assert_true(!names[1].new_edge && !names[1].last && names[1].against);
+            for (int k = 0; k < 2; k++) assert_int_equal(names[1].vertex[k], vertex[k]);
+            assert_int_equal(kn_brep_end_face(ctx, b, next++, 0, &closed), KN_OK);
+            assert_int_equal(kn_brep_waiting(b, kn_brep_root(b, held), &odd), face == 0 ? 3 : 0);
+            assert_false(odd);
+        }
+        kn_brep_destroy(ctx, b);
+    }
+    test_ctx_end(ctx, &memory);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(one_face),
+        cmocka_unit_test(groups),
+        cmocka_unit_test(seeds_for_two),
         cmocka_unit_test(known_topology),
         cmocka_unit_test(memory_follows_the_front),
         cmocka_unit_test(lists_of_faces),

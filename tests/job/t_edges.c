@@ -100,6 +100,45 @@ static void goes_on_where_all_agrees(void **state)
     }
 }
 
+// Two pairs of strips in the same place: of two bodies each goes on over its own edge, and onto no other surface.
+static void bodies_stay_apart(void **state)
+{
+    (void)state;
+    static const int bodies[] = {0, 0, 3, 3};
+    strip strips[4];
+    test_memory memory = TEST_MEMORY_INIT;
+    kn_ctx *ctx = test_ctx(&memory, 1);
+    kn_spline s[4] = {{0}};
+    kn_tile tile = {0};
+    kn_job *job = NULL;
+    scene_result r = {0};
+    scene_strip(ctx, &tile);
+    for (int i = 0; i < 4; i++) {
+        strips[i] = (strip){2, {0, 1}, {0, 0, 1, 1}, false, i % 2, 1, 0};
+        make_strip(ctx, &s[i], &strips[i]);
+    }
+    kn_job_options o = {.count = {2, 2}, .height = 0.125, .normal_tol = 1e-9, .bodies = bodies};
+    assert_int_equal(kn_job_create(ctx, &job, s, 4, &tile, &o), KN_OK);
+    kn_sink sink = scene_sink(&r);
+    assert_int_equal(kn_job_run(ctx, job, &sink, 1), KN_OK);
+    kn_sink_close(ctx, &sink);
+    assert_int_equal(places_on_other(ctx, job, &r), 2 * 4);
+    for (size_t i = 0; i < r.count; i++) {
+        kn_bezier d = {0};
+        kn_patch_place place;
+        const kn_patch *p = &r.patches[i];
+        assert_int_equal(p->body, bodies[p->id.surface]);
+        assert_int_equal(kn_job_source(ctx, &d, &place, job, &p->id), KN_OK);
+        assert_int_equal(bodies[place.surface], p->body);
+        kn_bezier_clear(ctx, &d);
+    }
+    scene_result_clear(&r);
+    kn_job_destroy(ctx, job);
+    kn_tile_clear(ctx, &tile);
+    for (int i = 0; i < 4; i++) kn_spline_clear(ctx, &s[i]);
+    test_ctx_end(ctx, &memory);
+}
+
 // A wall at u = 1 of its cell stands on that cell's side of a crease, beside the patches that it meets there.
 static void walls_stay_in_their_cell(void **state)
 {
@@ -148,6 +187,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(goes_on_where_all_agrees),
+        cmocka_unit_test(bodies_stay_apart),
         cmocka_unit_test(walls_stay_in_their_cell),
     };
     return cmocka_run_group_tests_name("job/edges", tests, NULL, NULL);
