@@ -29,8 +29,15 @@ static double uncertainty(const cli_output_options *o)
     return o->gap_mm > usual ? o->gap_mm : usual;
 }
 
-// What the surfaces of a CAD base are called, in scratch: the names of its faces, or their numbers in its file.
-static kn_status name_surfaces(kn_ctx *ctx, kn_step_options *options, const cli_base *base)
+// What surfaces are called in a file for CAD systems, in scratch.
+typedef struct surface_names {
+    const char **list;
+    int n;
+    bool plain;
+} surface_names;
+
+// Those of a CAD base: the names of its faces, or their numbers in its file.
+static kn_status name_surfaces(kn_ctx *ctx, surface_names *out, const cli_base *base)
 {
     const size_t room = KN_NAME_BYTES;
     if (!base || base->cad.nfaces == 0 || !base->face) return KN_OK;
@@ -44,19 +51,24 @@ static kn_status name_surfaces(kn_ctx *ctx, kn_step_options *options, const cli_
         names[i] = name[0] ? name : text;
         snprintf(text, room, "face %d", base->face[i]);
     }
-    options->surface_names = names, options->nsurfaces = base->nsurfaces;
+    *out = (surface_names){names, base->nsurfaces, false};
     return KN_OK;
 }
 
 // The faces of a CAD file itself.
-static kn_status name_faces(kn_ctx *ctx, kn_step_options *options, const kn_cad *cad)
+static kn_status name_faces(kn_ctx *ctx, surface_names *out, const kn_cad *cad)
 {
     const char **names = kn_scratch(ctx, (size_t)cad->nfaces, sizeof *names);
     if (!names) return KN_ENOMEM;
     for (int i = 0; i < cad->nfaces; i++) names[i] = cad->faces[i].name;
-    options->surface_names = names, options->nsurfaces = cad->nfaces;
-    options->plain_names = true;
+    *out = (surface_names){names, cad->nfaces, true};
     return KN_OK;
+}
+
+static kn_status find_names(kn_ctx *ctx, surface_names *out, const cli_output_options *o)
+{
+    *out = (surface_names){0};
+    return o->cad ? name_faces(ctx, out, o->cad) : name_surfaces(ctx, out, o->base);
 }
 
 static kn_status open_step_file(kn_ctx *ctx, kn_sink *out, const char *path, const cli_output_options *o,
@@ -66,8 +78,10 @@ static kn_status open_step_file(kn_ctx *ctx, kn_sink *out, const char *path, con
     options.schema = o->schema;
     options.filter = filter;
     options.instances = o->instances;
+    surface_names names;
     kn_mark mark = kn_scratch_mark(ctx);
-    kn_status status = o->cad ? name_faces(ctx, &options, o->cad) : name_surfaces(ctx, &options, o->base);
+    kn_status status = find_names(ctx, &names, o);
+    options.surface_names = names.list, options.nsurfaces = names.n, options.plain_names = names.plain;
     if (status == KN_OK) status = kn_step_sink(ctx, out, path, &options);
     kn_scratch_release(ctx, mark);
     return status;
@@ -89,7 +103,13 @@ static kn_status open_stpz(kn_ctx *ctx, kn_sink *out, const char *path, const cl
 static kn_status open_iges(kn_ctx *ctx, kn_sink *out, const char *path, const cli_output_options *o)
 {
     kn_iges_options options = {.unit_mm = o->unit_mm, .uncertainty_mm = uncertainty(o)};
-    return kn_iges_sink(ctx, out, path, &options);
+    surface_names names;
+    kn_mark mark = kn_scratch_mark(ctx);
+    kn_status status = find_names(ctx, &names, o);
+    options.surface_names = names.list, options.nsurfaces = names.n, options.plain_names = names.plain;
+    if (status == KN_OK) status = kn_iges_sink(ctx, out, path, &options);
+    kn_scratch_release(ctx, mark);
+    return status;
 }
 
 static kn_status open_obj(kn_ctx *ctx, kn_sink *out, const char *path, const cli_output_options *o)

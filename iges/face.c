@@ -85,7 +85,7 @@ kn_status kn_iges_put_face(kn_iges_written *w, const kn_patch *patch, double mm,
     kn_text *text = &w->text;
     kn_iges_item *item = &w->items[w->nitems];
     *item = (kn_iges_item){
-        .kind = KN_IGES_FACE, .look = patch->look, .id = patch->id, .group = patch->body, .body = -1};
+        .kind = KN_IGES_FACE, .look = patch->look, .id = patch->id, .group = patch->body, .body = -1, .exact = patch->exact};
     item->reversed = patch->reversed;
     item->begin = text->bytes;
     kn_patch_net f;
@@ -111,8 +111,12 @@ kn_status kn_iges_put_line(kn_iges_written *w, const kn_patch *patch, double mm)
     kn_iges_item *item = &w->items[w->nitems];
     kn_spline s = kn_patch_spline(patch);
     kn_patch_curve line = {0};
-    *item = (kn_iges_item){
-        .kind = KN_IGES_CURVE, .look = patch->look, .id = patch->id, .body = -1, .begin = text->bytes};
+    *item = (kn_iges_item){.kind = KN_IGES_CURVE,
+                           .look = patch->look,
+                           .id = patch->id,
+                           .body = -1,
+                           .exact = patch->exact,
+                           .begin = text->bytes};
     kn_mark mark = kn_scratch_mark(ctx);
     kn_status status = kn_patch_curve_load(ctx, &line, &s, 0, mm, "IGES");
     if (status == KN_OK) {

@@ -20,8 +20,9 @@ static const char independent[] = "00000000", dependent[] = "00010000", in_plane
 typedef struct entity {
     int type, form, look; // look PLAIN: no colour
     const char *status;
-    const kn_patch_id *id; // NULL: no label
-    size_t begin;          // of its lines in the parameters
+    const char *label; // "": none
+    int number;        // of the label
+    size_t begin;      // of its lines in the parameters
 } entity;
 
 static uint64_t pointer(uint64_t e)
@@ -64,14 +65,14 @@ static void put_directory(kn_iges_join *j, const entity *e, uint64_t lines)
         if (two[i] == ' ') two[i] = '-';
     put_field(two + 24, 8, lines);
     put_field(two + 32, 8, (uint64_t)e->form);
-    if (e->id && e->look >= 0) {
-        size_t n = strlen(j->looks[e->look].name);
+    if (e->label[0]) {
+        size_t n = strlen(e->label);
         if (n > 8) n = 8;
         for (size_t i = 0; i < n; i++) {
-            char c = j->looks[e->look].name[i];
+            char c = e->label[i];
             two[64 - n + i] = (char)(c >= 32 && c < 127 ? c : '_');
         }
-        put_field(two + 64, 8, (uint64_t)e->id->patch % 100000000);
+        put_field(two + 64, 8, (uint64_t)e->number % 100000000);
     }
     directory_line(&j->directory, one, pointer(j->next));
     directory_line(&j->directory, two, pointer(j->next) + 1);
@@ -97,8 +98,18 @@ static uint64_t number_lines(kn_iges_join *j, size_t begin, uint64_t before)
 
 static entity start(kn_iges_join *j, int type)
 {
-    entity e = {.type = type, .look = PLAIN, .status = dependent, .begin = j->parameters.bytes};
+    entity e = {.type = type, .look = PLAIN, .status = dependent, .label = "", .begin = j->parameters.bytes};
     j->parameters.line = j->parameters.bytes;
+    return e;
+}
+
+// Of what has the colour of its part, and for a label the name of that, or of its surface.
+static entity start_item(kn_iges_join *j, int type, const kn_iges_item *item)
+{
+    entity e = start(j, type);
+    e.look = item->look, e.number = item->id.patch;
+    e.label = j->naming->plain && item->kind != KN_IGES_CURVE ? kn_naming_surface(j->naming, &item->id)
+                                                              : j->looks[item->look].name;
     return e;
 }
 
@@ -132,17 +143,27 @@ static void put_property(kn_iges_join *j)
     kn_iges_put_integer(&j->parameters, pointer(j->next + 1));
 }
 
-static kn_status put_name(kn_ctx *ctx, kn_iges_join *j, const kn_patch_id *id, int look, bool face)
+// The end of what has a name, and the name; "": none.
+static kn_status finish_named(kn_ctx *ctx, kn_iges_join *j, const entity *e, const char *name)
 {
-    char name[KN_PATCH_NAME_BYTES];
-    entity e = start(j, 406);
-    e.form = 15, e.status = property;
-    kn_patch_name(name, id, j->looks[look].name, face);
+    if (name[0]) put_property(j);
+    kn_iges_end(&j->parameters);
+    kn_status status = finish(ctx, j, e, 0);
+    if (status != KN_OK || !name[0]) return status;
+    entity of = start(j, 406);
+    of.form = 15, of.status = property;
     kn_iges_put_integer(&j->parameters, 406);
     kn_iges_put_integer(&j->parameters, 1);
     kn_iges_put_string(&j->parameters, name);
     kn_iges_end(&j->parameters);
-    return finish(ctx, j, &e, 0);
+    return finish(ctx, j, &of, 0);
+}
+
+static kn_status finish_item(kn_ctx *ctx, kn_iges_join *j, const entity *e, const kn_iges_item *item)
+{
+    char name[KN_FACE_NAME_BYTES];
+    kn_naming_write(name, j->naming, &item->id, j->looks[item->look].name, item->kind != KN_IGES_CURVE, item->exact);
+    return finish_named(ctx, j, e, name);
 }
 
 // 314: red, green and blue in percent, and a name.
@@ -173,14 +194,11 @@ static kn_status put_written(kn_ctx *ctx, kn_iges_join *j, int type, const char 
 // The same, by itself: with colour and name.
 static kn_status put_alone(kn_ctx *ctx, kn_iges_join *j, int type, const kn_iges_item *item, const char *data)
 {
-    entity e = start(j, type);
-    e.status = independent, e.look = item->look, e.id = &item->id;
+    entity e = start_item(j, type, item);
+    e.status = independent;
     kn_text_bytes(&j->parameters, data, (size_t)item->surface_lines * KN_IGES_LINE_BYTES);
     kn_iges_reopen(&j->parameters);
-    put_property(j);
-    kn_iges_end(&j->parameters);
-    kn_status status = finish(ctx, j, &e, 0);
-    return status == KN_OK ? put_name(ctx, j, &item->id, item->look, item->kind != KN_IGES_CURVE) : status;
+    return finish_item(ctx, j, &e, item);
 }
 
 // ---- faces ----
@@ -273,17 +291,14 @@ static kn_status put_loop(kn_ctx *ctx, kn_iges_join *j, const kn_iges_edge *edge
 static kn_status put_face(kn_ctx *ctx, kn_iges_join *j, const kn_iges_item *item, uint64_t surface, uint64_t first,
                           size_t nloops)
 {
-    entity e = start(j, 510);
-    e.form = 1, e.look = item->look, e.id = &item->id;
+    entity e = start_item(j, 510, item);
+    e.form = 1;
     kn_iges_put_integer(&j->parameters, 510);
     kn_iges_put_integer(&j->parameters, pointer(surface));
     kn_iges_put_integer(&j->parameters, nloops);
     kn_iges_put_integer(&j->parameters, 1); // there is an outer one
     for (size_t i = 0; i < nloops; i++) kn_iges_put_integer(&j->parameters, pointer(first + i));
-    put_property(j);
-    kn_iges_end(&j->parameters);
-    kn_status status = finish(ctx, j, &e, 0);
-    return status == KN_OK ? put_name(ctx, j, &item->id, item->look, true) : status;
+    return finish_item(ctx, j, &e, item);
 }
 
 // ---- shells ----
@@ -330,7 +345,8 @@ static kn_status put_solid(kn_ctx *ctx, kn_iges_join *j, const kn_patch_id *id, 
     }
     if (status == KN_OK) {
         entity e = start(j, 186);
-        e.status = independent, e.look = look >= 0 ? look / 2 : PLAIN, e.id = id;
+        e.status = independent, e.look = look >= 0 ? look / 2 : PLAIN;
+        e.label = j->looks[name].name, e.number = id->patch;
         kn_iges_put_integer(&j->parameters, 186);
         kn_iges_put_integer(&j->parameters, pointer(shell[0]));
         kn_iges_put_integer(&j->parameters, 1); // the shell looks out
@@ -339,11 +355,10 @@ static kn_status put_solid(kn_ctx *ctx, kn_iges_join *j, const kn_patch_id *id, 
             kn_iges_put_integer(&j->parameters, pointer(shell[i]));
             kn_iges_put_integer(&j->parameters, 1);
         }
-        put_property(j);
-        kn_iges_end(&j->parameters);
-        status = finish(ctx, j, &e, 0);
+        char text[KN_FACE_NAME_BYTES];
+        kn_naming_write(text, j->naming, id, j->looks[name].name, false, true);
+        status = finish_named(ctx, j, &e, text);
     }
-    if (status == KN_OK) status = put_name(ctx, j, id, name, false);
     for (size_t i = 0; i < n; i++) kn_brep_drop(j->brep, shells[i].brep);
     kn_free(ctx, shell);
     return status;
@@ -399,17 +414,14 @@ static kn_status put_trimmed(kn_ctx *ctx, kn_iges_join *j, const kn_iges_written
             boundary[end] = j->next - 1;
         }
         if (status != KN_OK) break;
-        entity e = start(j, 144);
-        e.status = independent, e.look = item->look, e.id = &item->id;
+        entity e = start_item(j, 144, item);
+        e.status = independent;
         kn_iges_put_integer(&j->parameters, 144);
         kn_iges_put_integer(&j->parameters, pointer(surface));
         kn_iges_put_integer(&j->parameters, 1);
         kn_iges_put_integer(&j->parameters, end - i - 1);
         for (size_t k = i; k < end; k++) kn_iges_put_integer(&j->parameters, pointer(boundary[k]));
-        put_property(j);
-        kn_iges_end(&j->parameters);
-        status = finish(ctx, j, &e, 0);
-        if (status == KN_OK) status = put_name(ctx, j, &item->id, item->look, true);
+        status = finish_item(ctx, j, &e, item);
     }
     kn_free(ctx, boundary);
     return status;

@@ -18,6 +18,7 @@ typedef struct iges {
     char *product, time_stamp[STAMP_BYTES];
     double unit_mm, uncertainty_mm;
     kn_iges_join join;
+    kn_naming naming;
     uint64_t lines[2]; // of the start and global sections
     kn_announced announced;
 } iges;
@@ -30,6 +31,7 @@ static kn_status take_report(kn_ctx *ctx, iges *s, const kn_job_report *report)
 {
     kn_status status = kn_announced_take(ctx, &s->announced, report, "IGES");
     if (status != KN_OK) return status;
+    kn_naming_take_report(&s->naming, report);
     uint64_t points = report->volumes > 0 ? 0 : report->control_points; // hidden faces of volumes are not written
     uint64_t faces = report->volumes > 0 || report->curves > 0 ? 0 : report->patches;
     if (points / 8 < KN_IGES_MOST && faces < KN_IGES_MOST / 5 && points / 8 + 5 * faces <= KN_IGES_MOST) return KN_OK;
@@ -169,6 +171,7 @@ static void iges_close(kn_ctx *ctx, void *user)
     kn_out_close(ctx, s->file);
     kn_out_close(ctx, s->parameters);
     kn_iges_join_clear(ctx, &s->join);
+    kn_naming_clear(ctx, &s->naming);
     kn_free(ctx, s->product);
     kn_free(ctx, s);
 }
@@ -233,14 +236,16 @@ static kn_status take_options(kn_ctx *ctx, iges *s, const kn_iges_options *o)
     const char *product = o->product ? o->product : "knurl";
     if (!(o->unit_mm >= 0.0 && o->unit_mm < 1e12 && o->uncertainty_mm >= 0.0 && o->uncertainty_mm < 1e12))
         return kn_fail(ctx, KN_EDOMAIN, "IGES: unit %g mm, uncertainty %g mm", o->unit_mm, o->uncertainty_mm);
+    if (o->nsurfaces < 0) return kn_fail(ctx, KN_EDOMAIN, "IGES: %d names of surfaces", o->nsurfaces);
     size_t bytes = strlen(product) + 1;
     if (bytes > MOST_NAME) return kn_fail(ctx, KN_EDOMAIN, "IGES: a product name of %zu bytes", bytes - 1);
     s->unit_mm = o->unit_mm > 0.0 ? o->unit_mm : 1.0;
     s->uncertainty_mm = o->uncertainty_mm > 0.0 ? o->uncertainty_mm : 1e-3;
-    s->join.surfaces = o->surfaces;
+    s->join.surfaces = o->surfaces, s->join.naming = &s->naming;
     s->product = kn_alloc(ctx, bytes, 1);
     if (!s->product) return KN_ENOMEM;
     memcpy(s->product, product, bytes);
+    if (kn_naming_init(ctx, &s->naming, o->surface_names, o->nsurfaces, o->plain_names) != KN_OK) return KN_ENOMEM;
     return take_stamp(ctx, s->time_stamp, o->time_stamp ? o->time_stamp : "1970-01-01T00:00:00");
 }
 

@@ -13,6 +13,7 @@
 
 #include "io/brep.h"
 #include "io/closed_shells.h"
+#include "io/naming.h"
 #include "io/patch_net.h"
 #include "io/text_buffer.h"
 
@@ -62,7 +63,7 @@ typedef struct kn_iges_item {
     kn_patch_id id;
     int group;       // kn_patch.body
     int body, shell; // as kn_patch_bounds; body -1: not told
-    bool reversed;
+    bool reversed, exact;
     size_t begin;
     uint32_t surface_lines;
     // Of a plain face, the edges that are no points, in the order of its loop.
@@ -112,6 +113,7 @@ typedef struct kn_iges_join {
     kn_iges_look *looks;
     int nlooks;
     bool surfaces;
+    const kn_naming *naming;
     kn_closed_shells closed;
 } kn_iges_join;
 

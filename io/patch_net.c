@@ -5,7 +5,6 @@
 #include "kernel/context.h"
 
 #include <math.h>
-#include <stdio.h>
 #include <string.h>
 
 static const int side_start[4] = {0, 1, 3, 0}, side_end[4] = {1, 2, 2, 3};
@@ -176,15 +175,4 @@ kn_status kn_patch_side_spline(kn_ctx *ctx, kn_spline *out, const kn_patch *patc
     if (patch->edge) return kn_spline_copy(ctx, out, &patch->edge[side_fit[e]]);
     kn_spline s = kn_patch_spline(patch);
     return kn_spline_isoparametric(ctx, out, &s, 1 - e % 2, e == 1 || e == 2 ? 1.0 : 0.0);
-}
-
-void kn_patch_name(char name[KN_PATCH_NAME_BYTES], const kn_patch_id *id, const char *part, bool face)
-{
-    size_t room = (size_t)KN_PATCH_NAME_BYTES;
-    int length = snprintf(name, room, "s%d c%d,%d %s", id->surface, id->cell[0], id->cell[1], part);
-    if (!face || length < 0 || (size_t)length >= room) return;
-    int more = snprintf(name + length, room - (size_t)length, " %d", id->patch);
-    length += more;
-    if (id->piece > 0 && more > 0 && (size_t)length < room)
-        snprintf(name + length, room - (size_t)length, ".%d", id->piece);
 }

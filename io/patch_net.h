@@ -67,8 +67,5 @@ KN_CHECKED kn_status kn_patch_net_load(kn_ctx *ctx, kn_patch_net *net, const kn_
                                        const char *format);
 // out = edge e as a spline over [0,1], unscaled: initialised, overwritten.
 KN_CHECKED kn_status kn_patch_side_spline(kn_ctx *ctx, kn_spline *out, const kn_patch *patch, int e);
-// "s0 c3,4 ring", and for a face " 12" or " 12.1".
-enum { KN_PATCH_NAME_BYTES = KN_NAME_BYTES + 96 };
-void kn_patch_name(char name[KN_PATCH_NAME_BYTES], const kn_patch_id *id, const char *part, bool face);
 
 #endif

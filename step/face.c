@@ -6,7 +6,6 @@
 #include "kernel/context.h"
 
 #include <math.h>
-#include <stdio.h>
 #include <string.h>
 
 // Corners of the square where edge e starts and ends.
@@ -105,25 +104,6 @@ static uint32_t number_edges(kn_patch_net *f, bool own[4])
         next += line->axis.n;
     }
     return (uint32_t)next;
-}
-
-void kn_step_name(char name[KN_STEP_NAME_BYTES], const kn_step_naming *naming, const kn_patch_id *id,
-                  const char *part, bool face, bool exact)
-{
-    size_t room = (size_t)KN_STEP_NAME_BYTES;
-    const char *surface = id->surface >= 0 && id->surface < naming->nsurfaces ? naming->surfaces[id->surface] : "";
-    if (naming->plain) {
-        int length = snprintf(name, room, "%.*s", KN_NAME_BYTES - 1, face ? surface : part);
-        if (face && naming->mark && !exact) snprintf(name + length, room - (size_t)length, " ~");
-        return;
-    }
-    int n = surface[0] ? snprintf(name, room, "%.*s", KN_NAME_BYTES - 1, surface)
-                       : snprintf(name, room, "s%d", id->surface);
-    n += snprintf(name + n, room - (size_t)n, " c%d,%d %.*s", id->cell[0], id->cell[1], KN_NAME_BYTES - 1, part);
-    if (!face) return;
-    n += snprintf(name + n, room - (size_t)n, " %d", id->patch);
-    if (id->piece > 0) n += snprintf(name + n, room - (size_t)n, ".%d", id->piece);
-    if (naming->mark && !exact) snprintf(name + n, room - (size_t)n, " ~");
 }
 
 static bool same_point(const kn_patch_net *f, const double *a, const double *b)

@@ -210,9 +210,9 @@ static bool find_motion(motion *m, const part *p, const double *point)
 
 // ---- parts ----
 
-static void name_cell(char name[KN_STEP_NAME_BYTES], const kn_step_cells *cells)
+static void name_cell(char name[KN_FACE_NAME_BYTES], const kn_step_cells *cells)
 {
-    kn_step_name(name, cells->join->naming, &cells->id, "", false, true);
+    kn_naming_write(name, cells->join->naming, &cells->id, "", false, true);
     size_t n = strlen(name);
     if (n > 0 && name[n - 1] == ' ') name[n - 1] = '\0';
 }
@@ -232,7 +232,7 @@ static void put_triple(kn_text *out, uint64_t number, const char *entity, const 
 static kn_status put_placement(kn_ctx *ctx, kn_step_cells *cells, kn_text *out, const part *p, const motion *m)
 {
     kn_step_join *j = cells->join;
-    char name[KN_STEP_NAME_BYTES];
+    char name[KN_FACE_NAME_BYTES];
     uint64_t n = j->next, o = j->origin;
     const double axis[3] = {m->r[0][2], m->r[1][2], m->r[2][2]}, first[3] = {m->r[0][0], m->r[1][0], m->r[2][0]};
     name_cell(name, cells);
@@ -266,7 +266,7 @@ static kn_status put_placement(kn_ctx *ctx, kn_step_cells *cells, kn_text *out, 
 static kn_status put_part(kn_step_cells *cells, kn_text *out, part *p)
 {
     kn_step_join *j = cells->join;
-    char name[KN_STEP_NAME_BYTES];
+    char name[KN_FACE_NAME_BYTES];
     uint64_t n = j->next, o = j->origin;
     name_cell(name, cells);
     kn_step_put_number(out, n);

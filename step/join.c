@@ -152,7 +152,7 @@ kn_status kn_step_join_style_body(kn_ctx *ctx, kn_step_join *j, kn_text *out, ui
 kn_status kn_step_join_put_solid(kn_ctx *ctx, kn_step_join *j, kn_text *out, const kn_patch_id *id, int look,
                                  const kn_closed_shell *shells, size_t n)
 {
-    char name[KN_STEP_NAME_BYTES];
+    char name[KN_FACE_NAME_BYTES];
     uint64_t first = j->next, voids = first + n, solid = voids + n - 1;
     kn_status status = KN_OK;
     j->next = solid + 1;
@@ -166,7 +166,7 @@ kn_status kn_step_join_put_solid(kn_ctx *ctx, kn_step_join *j, kn_text *out, con
         kn_step_put_references(out, voids + i - 1, "ORIENTED_CLOSED_SHELL('',*,#,.T.);", (uint64_t[]){first + i});
     kn_step_put_number(out, solid);
     kn_text_put(out, n > 1 ? "BREP_WITH_VOIDS(" : "MANIFOLD_SOLID_BREP(");
-    kn_step_name(name, j->naming, id, j->looks[look].name, false, true);
+    kn_naming_write(name, j->naming, id, j->looks[look].name, false, true);
     kn_text_step_string(out, name);
     kn_text_char(out, ',');
     kn_text_reference(out, first);
@@ -296,8 +296,8 @@ static void put_bound(kn_step_join *j, kn_text *out, const kn_step_item *item, u
 static void put_face(kn_step_join *j, kn_text *out, const kn_step_item *item, uint64_t base, const uint64_t *bound,
                      size_t n)
 {
-    char name[KN_STEP_NAME_BYTES];
-    kn_step_name(name, j->naming, &item->id, j->looks[item->look].name, true, item->exact);
+    char name[KN_FACE_NAME_BYTES];
+    kn_naming_write(name, j->naming, &item->id, j->looks[item->look].name, true, item->exact);
     kn_step_put_number(out, j->next++);
     kn_text_put(out, "ADVANCED_FACE(");
     kn_text_step_string(out, name);

@@ -4,6 +4,7 @@
 #define STEP_JOIN_H
 
 #include "io/closed_shells.h"
+#include "io/naming.h"
 #include "step/write.h"
 
 typedef struct kn_step_look {
@@ -15,7 +16,7 @@ typedef struct kn_step_look {
 
 typedef struct kn_step_join {
     kn_brep *brep;
-    const kn_step_naming *naming;
+    const kn_naming *naming;
     const kn_step_about *about;
     const kn_step_host *host; // or NULL
     int *held;                // bodies of its shells

@@ -18,7 +18,7 @@ enum { FLUSH_BYTES = 1 << 18, ENTITIES = 9 }; // of a face, at least, beside its
 typedef struct step {
     kn_out_file *file;
     kn_step_about about;
-    kn_step_naming naming;
+    kn_naming naming;
     double unit_mm;
     kn_step_join join;
     kn_announced announced;
@@ -51,8 +51,8 @@ static void describe(step *s, const kn_job_report *r)
 {
     kn_step_about *a = &s->about;
     double mm = s->unit_mm, off = r->stand_in_error + r->crossing_error + r->fit_tolerance;
-    bool all = r->exact_patches == r->patches && r->fit_degree == 0, none = r->exact_patches == 0;
-    s->naming.mark = !all && (!none || r->fit_degree > 0);
+    bool all = r->exact_patches == r->patches && r->fit_degree == 0;
+    kn_naming_take_report(&s->naming, r);
     // two pieces side by side may each be off by as much
     double trimmed = r->trim_curves > 0 ? r->fit_tolerance : 0.0; // other edges of limited faces stay shared
     a->uncertainty_mm = fmax(a->uncertainty_mm, 2.0 * mm * (r->stand_in_error + r->crossing_error + trimmed));
@@ -209,8 +209,7 @@ static void step_close(kn_ctx *ctx, void *user)
     kn_step_join_clear(ctx, &s->join);
     kn_free(ctx, s->about.product);
     kn_free(ctx, s->about.time_stamp);
-    for (int i = 0; i < s->naming.nsurfaces; i++) kn_free(ctx, s->naming.surfaces[i]);
-    kn_free(ctx, s->naming.surfaces);
+    kn_naming_clear(ctx, &s->naming);
     kn_free(ctx, s);
 }
 
@@ -254,19 +253,11 @@ static kn_status copy_options(kn_ctx *ctx, step *s, const kn_step_options *o)
     about->uncertainty_mm = o->uncertainty_mm > 0.0 ? o->uncertainty_mm : 1e-3;
     about->schema = o->schema;
     s->instances = o->instances;
-    s->naming.plain = o->plain_names;
     s->join.host = o->host, s->join.about = about, s->join.naming = &s->naming;
     kn_status status = copy_string(ctx, &about->product, o->product != NULL ? o->product : "knurl");
     if (status == KN_OK)
         status = copy_string(ctx, &about->time_stamp, o->time_stamp != NULL ? o->time_stamp : "1970-01-01T00:00:00");
-    int n = o->surface_names ? o->nsurfaces : 0;
-    if (status == KN_OK && n > 0) {
-        s->naming.surfaces = kn_alloc_zero(ctx, (size_t)n, sizeof *s->naming.surfaces);
-        if (!s->naming.surfaces) return KN_ENOMEM;
-        s->naming.nsurfaces = n;
-    }
-    for (int i = 0; i < n && status == KN_OK; i++)
-        status = copy_string(ctx, &s->naming.surfaces[i], o->surface_names[i] ? o->surface_names[i] : "");
+    if (status == KN_OK) status = kn_naming_init(ctx, &s->naming, o->surface_names, o->nsurfaces, o->plain_names);
     return status;
 }
 

@@ -96,18 +96,6 @@ void kn_step_put_units(kn_text *text, uint64_t origin, const kn_step_about *abou
 // A form whose every "#k" is number origin + k.
 void kn_step_put_fixed(kn_text *text, uint64_t origin, const char *form);
 
-// How faces are called.
-typedef struct kn_step_naming {
-    char **surfaces; // nsurfaces of them; "": none
-    int nsurfaces;
-    bool mark;  // what is not exact
-    bool plain; // as kn_step_options
-} kn_step_naming;
-// "s0 c3,4 ring", and for a face " 12" or " 12.1", and " ~".
-enum { KN_STEP_NAME_BYTES = 2 * KN_NAME_BYTES + 96 };
-void kn_step_name(char name[KN_STEP_NAME_BYTES], const kn_step_naming *naming, const kn_patch_id *id,
-                  const char *part, bool face, bool exact);
-
 // Appends patch's points in millimetres, surface and curves, and says in *item, of trimmed ones in *lists, too, how they
 // are to be joined; a curve's points and the curve.
 // fails: KN_EUNDEFINED (a weight that is not positive, a control point that is not finite), KN_ENOMEM.

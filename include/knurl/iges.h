@@ -17,6 +17,10 @@ typedef struct kn_iges_options {
                             // give equal bytes
     bool surfaces; // faces as surfaces (128) and trimmed surfaces (144) alone, for receivers that know no B-rep and
                    // sew themselves
+    // As of kn_step_options; letters other than ASCII become '_'.
+    const char *const *surface_names;
+    int nsurfaces;
+    bool plain_names;
 } kn_iges_options;
 
 // A sink that writes an IGES 5.3 file as those of io.h do (a new file beside path, named when the job has ended;
@@ -25,7 +29,7 @@ typedef struct kn_iges_options {
 // edges (504, 126) and vertices (502) it shares, bit for bit, with its neighbours: bodies that close are manifold
 // solids (186, 514), with voids where patches tell of them, the others open shells (514 form 2). Trimmed patches are such
 // faces with curves in the plane of the parameters, too (126); without shells trimmed surfaces (144, 142). Curves are 126. Colours: 314, one for each look in use; names as
-// those of STEP (step.h): 406 form 15.
+// those of STEP (step.h), what is approximated marked there, too: 406 form 15.
 // fails: also KN_EUNDEFINED (a control point that is not finite, a weight that is not positive), KN_ELIMIT (more
 // lines
 //        than seven digits count: some 300,000 bicubic faces), KN_EDOMAIN (meshes; a time stamp that is none).

@@ -76,6 +76,27 @@ static void what_is_in_a_file(void **state)
     assert_non_null(strstr(printed, "grip"));
 }
 
+// Converted to IGES faces and bodies keep their names; a texture's faces have them in front.
+static void names_in_iges(void **state)
+{
+    (void)state;
+    char path[PATH_BYTES];
+    test_tmp_path(path, "named.igs");
+    assert_int_equal(run("convert '%s' -q -o '%s'", knob, path), 0);
+    assert_int_equal(run("info '%s' --json", path), 0);
+    json_t *root = printed_json();
+    const json_t *body = json_array_get(json_object_get(root, "bodies"), 0);
+    assert_string_equal(json_string_value(json_object_get(body, "name")), "knob");
+    assert_face(root, 0, "bspline", "", "#cbcbd3");
+    assert_face(root, 3, "bspline", "grip", "#595959");
+    json_decref(root);
+    assert_int_equal(run("apply '%s' --faces 2,3 --no-join --tile straight --count 4,1 -q -o '%s'", knob, path), 0);
+    assert_int_equal(run("info '%s'", path), 0);
+    assert_non_null(strstr(printed, " grip c1,0 ridge 2 "));
+    assert_non_null(strstr(printed, " face 2 c3,0 ridge 0 "));
+    remove(path);
+}
+
 // A cylinder in each format.
 static void three_formats(void **state)
 {
@@ -357,11 +378,12 @@ static void other_programs(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(what_is_in_a_file),   cmocka_unit_test(three_formats),
-        cmocka_unit_test(faces_are_chosen),    cmocka_unit_test(faces_are_not_there),
-        cmocka_unit_test(broken_files),        cmocka_unit_test(no_reader),
-        cmocka_unit_test(compressed_files),    cmocka_unit_test(a_box_is_a_tile),
-        cmocka_unit_test(weights_are_no_tile), cmocka_unit_test(other_programs),
+        cmocka_unit_test(what_is_in_a_file),   cmocka_unit_test(names_in_iges),
+        cmocka_unit_test(three_formats),       cmocka_unit_test(faces_are_chosen),
+        cmocka_unit_test(faces_are_not_there), cmocka_unit_test(broken_files),
+        cmocka_unit_test(no_reader),           cmocka_unit_test(compressed_files),
+        cmocka_unit_test(a_box_is_a_tile),     cmocka_unit_test(weights_are_no_tile),
+        cmocka_unit_test(other_programs),
     };
     return cmocka_run_group_tests_name("cli/cad", tests, NULL, NULL);
 }

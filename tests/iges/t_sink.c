@@ -19,6 +19,7 @@ typedef struct world {
     test_tile tile;
     kn_patch patch[PATCHES];
     kn_iges_options options;
+    size_t exact; // of the patches, as the report has it
     char path[TEST_PATH_BYTES], parameters[TEST_PATH_BYTES];
 } world;
 
@@ -48,6 +49,7 @@ static char *write_iges(world *w, const kn_iges_options *options, size_t n, size
 {
     kn_sink sink;
     kn_job_report report = test_report(PATCHES, 4, 3);
+    report.exact_patches = w->exact;
     assert_int_equal(kn_iges_sink(w->ctx, &sink, w->path, options), KN_OK);
     assert_int_equal(test_feed(w->ctx, &sink, &w->tile.tile, &report, w->patch, n, block), KN_OK);
     size_t bytes = 0;
@@ -140,6 +142,37 @@ static void structure(void **state)
     n = expect_consistent(text);
     assert_int_equal(n.directory, 0);
     free(text);
+    world_clear(&w);
+}
+
+// Faces by the names of their surfaces, with what is approximated marked; without a name there is no entity for it.
+static void names(void **state)
+{
+    (void)state;
+    world w;
+    static const char *const surfaces[2] = {"caf\xc3\xa9", ""};
+    kn_iges_options options = {.surface_names = surfaces, .nsurfaces = 2};
+    world_make(&w, 1);
+    w.patch[5].id.surface = 1, w.patch[6].id.surface = 2;
+    w.patch[7].id.piece = 3, w.patch[7].exact = false;
+    w.exact = PATCHES - 1;
+    for (int k = 0; k < 2; k++) {
+        options.surfaces = k == 1;
+        options.plain_names = false;
+        char *text = write_iges(&w, &options, PATCHES, 5);
+        assert_int_equal(expect_consistent(text).of[406], PATCHES);
+        assert_non_null(strstr(text, "Hcaf_ c4,2 wire rod 4;"));
+        assert_non_null(strstr(text, "Hs1 c5,2 link 5;"));
+        assert_non_null(strstr(text, "Hs2 c6,2 link 6;"));
+        assert_non_null(strstr(text, "Hcaf_ c7,2 wire rod 7.3 ~;"));
+        free(text);
+        options.plain_names = true;
+        text = write_iges(&w, &options, PATCHES, 5);
+        assert_int_equal(expect_consistent(text).of[406], PATCHES - 2);
+        assert_non_null(strstr(text, "406,1,4Hcaf_;"));
+        assert_non_null(strstr(text, "406,1,6Hcaf_ ~;"));
+        free(text);
+    }
     world_clear(&w);
 }
 
@@ -350,8 +383,11 @@ static void refusals(void **state)
 
     assert_int_equal(kn_iges_sink(w.ctx, &sink, "/nowhere/x.igs", NULL), KN_EIO);
     kn_ctx_clear_error(w.ctx);
-    static const kn_iges_options bad[] = {
-        {.unit_mm = -1.0}, {.uncertainty_mm = NAN}, {.time_stamp = "yesterday"}, {.time_stamp = "2026-01-02T03:04"}};
+    static const kn_iges_options bad[] = {{.unit_mm = -1.0},
+                                          {.uncertainty_mm = NAN},
+                                          {.time_stamp = "yesterday"},
+                                          {.time_stamp = "2026-01-02T03:04"},
+                                          {.nsurfaces = -1}};
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
         assert_int_equal(kn_iges_sink(w.ctx, &sink, w.path, &bad[i]), KN_EDOMAIN);
         kn_ctx_clear_error(w.ctx);
@@ -395,10 +431,12 @@ static void without_memory(void **state)
 {
     (void)state;
     world w;
+    static const char *const called[2] = {"one", NULL};
     kn_bezier f = {0};
     kn_trim side[2] = {{0}}, whole = {0};
     kn_trim_cut_report report;
     world_make(&w, 1);
+    w.options.surface_names = called, w.options.nsurfaces = 2;
     assert_int_equal(kn_bezier_init(w.ctx, &f, 2, 1, false, (int[]){1, 1}), KN_OK);
     f.coef[0] = -1.0, f.coef[1] = 0.5, f.coef[2] = 0.25, f.coef[3] = 1.0;
     assert_int_equal(kn_trim_cut(w.ctx, &side[0], &side[1], &report, &whole, &f, 1e-2), KN_OK);
@@ -424,9 +462,9 @@ static void without_memory(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(structure),   cmocka_unit_test(numbers),        cmocka_unit_test(bodies),
-        cmocka_unit_test(equal_bytes), cmocka_unit_test(gone_on_with),   cmocka_unit_test(refusals),
-        cmocka_unit_test(into_a_pipe), cmocka_unit_test(without_memory),
+        cmocka_unit_test(structure), cmocka_unit_test(names),       cmocka_unit_test(numbers),
+        cmocka_unit_test(bodies),    cmocka_unit_test(equal_bytes), cmocka_unit_test(gone_on_with),
+        cmocka_unit_test(refusals),  cmocka_unit_test(into_a_pipe), cmocka_unit_test(without_memory),
     };
     return cmocka_run_group_tests_name("iges/sink", tests, NULL, NULL);
 }
