@@ -2,11 +2,13 @@
 // The entities of a STEP model as text.
 #include "bridges/occt/step_text.hpp"
 
+#include <algorithm>
 #include <cctype>
 #include <cstring>
 #include <locale>
 #include <sstream>
 #include <stdexcept>
+#include <utility>
 
 extern "C" {
 #include "io/decimal.h"
@@ -88,6 +90,7 @@ step_text::step_text(const std::string &file)
         entity += c;
         if (c != ';' || quoted) continue;
         if (entity == "ENDSEC;") {
+            order_colors();
             note_users();
             return;
         }
@@ -127,6 +130,53 @@ std::vector<unsigned> step_text::references(unsigned n) const
     if (n < entities.size())
         for (const mention &m : mentions(entities[n])) list.push_back(m.number);
     return list;
+}
+
+// n and what it refers to, in that order, of the entities from `first` on that are not in it yet.
+void step_text::reach(unsigned n, unsigned first, std::vector<unsigned> &order, std::vector<bool> &seen) const
+{
+    std::vector<unsigned> left = {n};
+    while (!left.empty()) {
+        unsigned at = left.back();
+        left.pop_back();
+        if (at < first || at >= entities.size() || seen[at] || entities[at].empty()) continue;
+        seen[at] = true;
+        order.push_back(at);
+        std::vector<unsigned> refs = references(at);
+        left.insert(left.end(), refs.rbegin(), refs.rend());
+    }
+}
+
+// The colours of each part are a representation in the part's context, behind all geometry, with styles of its own. The
+// representations come in the order of their contexts, each with its styles, and share their old numbers anew.
+void step_text::order_colors()
+{
+    std::vector<std::pair<unsigned, unsigned>> roots; // context, number
+    for (unsigned n = 0; n < entities.size(); n++)
+        if (name(n) == "MECHANICAL_DESIGN_GEOMETRIC_PRESENTATION_REPRESENTATION") {
+            std::vector<unsigned> refs = references(n);
+            roots.push_back({refs.empty() ? 0 : refs.back(), n});
+        }
+    if (roots.size() < 2) return;
+    const unsigned first = roots.front().second;
+    std::sort(roots.begin(), roots.end());
+    std::vector<unsigned> order;
+    std::vector<bool> seen(entities.size());
+    for (const auto &root : roots) reach(root.second, first, order, seen);
+    std::vector<unsigned> numbers(order), becomes(entities.size());
+    std::sort(numbers.begin(), numbers.end());
+    for (unsigned n = 0; n < entities.size(); n++) becomes[n] = n;
+    for (size_t i = 0; i < order.size(); i++) becomes[order[i]] = numbers[i];
+    std::vector<std::string> moved(entities.size());
+    for (unsigned n = 0; n < entities.size(); n++) {
+        std::string text = std::move(entities[n]);
+        std::vector<mention> all = mentions(text);
+        for (size_t i = all.size(); i-- > 0;) // from the back: places before stay
+            if (all[i].number >= first && all[i].number < entities.size())
+                text.replace(all[i].begin, all[i].end - all[i].begin, "#" + std::to_string(becomes[all[i].number]));
+        moved[becomes[n]] = std::move(text);
+    }
+    entities = std::move(moved);
 }
 
 void step_text::note_users()

@@ -12,7 +12,8 @@ namespace kn_occt
 class step_text
 {
   public:
-    // The DATA section of an ISO 10303-21 file; nothing is thrown away yet.
+    // The DATA section of an ISO 10303-21 file; nothing is thrown away yet. OCCT writes colours in an order of
+    // addresses, another one in each run: here they are in the order of what they belong to.
     explicit step_text(const std::string &file);
     // Takes entities out: lists lose them, what needs them goes, too, and what nobody else uses; those that stay are
     // left as they are, whether they are used or not.
@@ -38,6 +39,8 @@ class step_text
     std::vector<std::vector<unsigned>> using_it;
 
     void note_users();
+    void order_colors();
+    void reach(unsigned n, unsigned first, std::vector<unsigned> &order, std::vector<bool> &seen) const;
     static std::vector<mention> mentions(const std::string &text);
     bool cut(std::string &text, unsigned number) const;
 };
