@@ -8,13 +8,11 @@
 // to is a polynomial on each of its parts.
 #include "bezier/norm_bound.h"
 #include "job/cross.h"
-#include "kernel/banded.h"
 #include "kernel/bernstein.h"
 
 #include <knurl/compose.h>
 
 #include <math.h>
-#include <string.h>
 
 enum { MOST_SITES = KN_MAX_DEGREE + 1, DEPTH = 8, MOST_DEGREES = 20 };
 
@@ -125,25 +123,53 @@ static void even(double *a, int rows, int columns)
         }
 }
 
-// From values at the sites of Bernstein degree p to coefficients.
-static kn_status make_inverse(kn_ctx *ctx, double *a, int p)
+// Values at the sites of degree p become coefficients by way of Chebyshev's polynomials: of what is smooth, those with
+// large Bernstein coefficients have small factors, so that less is lost than with the inverse of the basis functions.
+// a: from values to the factors of T_k(1 - 2x); b: from these to Bernstein coefficients. Both are the same from both
+// ends, of odd k but for the sign.
+static void make_transform(double *a, double *b, int p)
 {
-    double knots[2 * MOST_SITES], site[MOST_SITES];
-    int span[MOST_SITES], n = p + 1;
-    kn_collocation c = {.count = n, .degree = p};
-    c.band = kn_scratch(ctx, kn_collocation_room(n, p), sizeof *c.band);
-    if (!c.band) return KN_ENOMEM;
-    memset(a, 0, (size_t)n * (size_t)n * sizeof *a);
-    for (int i = 0; i < n; i++) {
-        knots[i] = 0.0, knots[n + i] = 1.0, span[i] = p;
-        site[i] = kn_cross_site(i, p);
-        a[i * n + i] = 1.0;
+    const double pi = 3.14159265358979323846;
+    double wave[2 * MOST_SITES], t[MOST_SITES], raised[MOST_SITES];
+    int n = p + 1;
+    for (int m = 0; m <= 2 * p; m++) {
+        int k = m <= p ? m : 2 * p - m; // 0 .. p
+        int j = 2 * k <= p ? k : p - k; // 0 .. p/2
+        double x = 2 * j == p ? 0.0 : cos(pi * j / p);
+        wave[m] = 2 * k <= p ? x : -x;
     }
-    kn_collocation_factor(&c, knots, site, span);
-    kn_collocation_solve(&c, a, 1, (size_t)n);
-    for (int j = 0; j < n; j++) a[j] = j == 0 ? 1.0 : 0.0;
-    even(a, n, n);
-    return KN_OK;
+    for (int k = 0; k <= p; k++) {
+        for (int j = 0; j <= p; j++)
+            a[k * n + j] = wave[j * k % (2 * p)] * (j == 0 || j == p ? 0.5 : 1.0) * (k == 0 || k == p ? 1.0 : 2.0) /
+                           p;
+        t[0] = 1.0;
+        for (int j = 0; j < k; j++) t[j + 1] = -t[j] * (2 * k - 2 * j - 1) / (2 * j + 1);
+        kn_bernstein_elevate(raised, t, 1, k, p, 1);
+        for (int i = 0; 2 * i <= p; i++) {
+            double x = 2 * i == p && k % 2 == 1 ? 0.0 : raised[i];
+            b[i * n + k] = x, b[(p - i) * n + k] = k % 2 == 1 ? -x : x;
+        }
+    }
+}
+
+// Along one variable of (outer, p + 1, inner). Both ends stay what they are.
+static kn_status to_bernstein(kn_ctx *ctx, double *out, const double *in, int p, size_t outer, size_t inner)
+{
+    size_t n = (size_t)p + 1;
+    kn_mark mark = kn_scratch_mark(ctx);
+    double *a = kn_scratch(ctx, 2 * n * n, sizeof *a), *work = kn_scratch(ctx, outer * n * inner, sizeof *work);
+    if (a && work) {
+        make_transform(a, a + n * n, p);
+        apply(work, a, p + 1, p + 1, in, outer, inner);
+        apply(out, a + n * n, p + 1, p + 1, work, outer, inner);
+        for (size_t o = 0; o < outer; o++)
+            for (size_t k = 0; k < inner; k++) {
+                size_t first = o * n * inner + k, last = first + (n - 1) * inner;
+                out[first] = in[first], out[last] = in[last];
+            }
+    }
+    kn_scratch_release(ctx, mark);
+    return a && work ? KN_OK : KN_ENOMEM;
 }
 
 // From the coefficients of degree m to values at the sites of degree p.
@@ -178,18 +204,13 @@ kn_status kn_job_sample(kn_ctx *ctx, double *at, const kn_job *job, const kn_job
 static kn_status interpolate(kn_ctx *ctx, kn_bezier *out, const kn_job *job, const kn_job_place *place,
                              const kn_bezier *d, const int degree[2])
 {
-    int n[2] = {degree[0] + 1, degree[1] + 1}, most = n[0] > n[1] ? n[0] : n[1];
-    size_t sites = (size_t)n[0] * (size_t)n[1];
+    size_t n[2] = {(size_t)degree[0] + 1, (size_t)degree[1] + 1}, sites = n[0] * n[1];
     kn_status status = kn_bezier_init(ctx, out, 2, 3, false, degree);
-    double *inverse = kn_scratch(ctx, (size_t)(most * most), sizeof *inverse),
-           *work = kn_scratch(ctx, 3 * sites, sizeof *work), *at = kn_scratch(ctx, 3 * sites, sizeof *at);
-    if (status == KN_OK && !(inverse && work && at)) status = KN_ENOMEM;
+    double *work = kn_scratch(ctx, 3 * sites, sizeof *work), *at = kn_scratch(ctx, 3 * sites, sizeof *at);
+    if (status == KN_OK && !(work && at)) status = KN_ENOMEM;
     if (status == KN_OK) status = kn_job_sample(ctx, at, job, place, d, degree);
-    if (status == KN_OK) status = make_inverse(ctx, inverse, degree[0]);
-    if (status != KN_OK) return status;
-    apply(work, inverse, n[0], n[0], at, 3, (size_t)n[1]);
-    status = make_inverse(ctx, inverse, degree[1]);
-    if (status == KN_OK) apply(out->coef, inverse, n[1], n[1], work, 3 * (size_t)n[0], 1);
+    if (status == KN_OK) status = to_bernstein(ctx, work, at, degree[0], 3, n[1]);
+    if (status == KN_OK) status = to_bernstein(ctx, out->coef, work, degree[1], 3 * n[0], 1);
     return status;
 }
 

@@ -12,7 +12,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { EASY = 12 }; // a degree that most patches need less than, tried first
+enum {
+    EASY = 12,    // a degree that most patches need less than, tried first
+    HIGHEST = 32, // Bernstein coefficients may be 2^degree times as large as the part of that degree
+};
 
 // What a patch in its cell needs along r and t, on which borders of the cell (bits) edges along r and t lie, and a
 // number for each edge that is the same for edges with the same control points: those along r, then those along t.
@@ -59,10 +62,15 @@ static size_t slot_of(const kn_job *job, const kn_job_place *place, int patch)
     return job->meeting->first[place->surface] + cell * (size_t)job->npatches + (size_t)patch;
 }
 
+static int highest(const kn_job *job)
+{
+    return job->options.max_degree < HIGHEST ? job->options.max_degree : HIGHEST;
+}
+
 void kn_job_meeting_degree(int degree[2], const kn_job *job, const kn_job_place *place, int patch)
 {
     const struct kn_job_meeting *m = job->meeting;
-    for (int v = 0; v < 2; v++) degree[v] = m ? m->degree[slot_of(job, place, patch)][v] : job->options.max_degree;
+    for (int v = 0; v < 2; v++) degree[v] = m ? m->degree[slot_of(job, place, patch)][v] : highest(job);
 }
 
 kn_job_meeting_fate kn_job_fate_of(const kn_job *job, const kn_job_place *place, int patch)
@@ -148,7 +156,7 @@ kn_status kn_job_note_meeting(kn_ctx *ctx, const kn_job *job, int patch, const k
                               const kn_job_rect *rect)
 {
     note *to = &job->meeting->notes[slot_of(job, place, patch)];
-    int most = job->options.max_degree, p = most < EASY ? most : EASY, need[2] = {1, 1};
+    int most = highest(job), p = most < EASY ? most : EASY, need[2] = {1, 1};
     kn_bezier d = {0};
     kn_status status = kn_job_restrict(ctx, &d, &job->patches[patch], *rect, place->turn);
     if (status == KN_OK) status = find_need(ctx, need, job, place, &d, p);
@@ -277,7 +285,7 @@ static kn_status solve(kn_ctx *ctx, const kn_job *job)
     }
     for (size_t i = 0; i < 2 * m->count && status == KN_OK; i++) {
         uint8_t found = most[kn_class_root(parent, (int)i)];
-        m->degree[i / 2][i % 2] = found > 0 ? found : (uint8_t)job->options.max_degree;
+        m->degree[i / 2][i % 2] = found > 0 ? found : (uint8_t)highest(job);
     }
     kn_free(ctx, parent);
     kn_free(ctx, most);
