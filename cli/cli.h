@@ -383,6 +383,8 @@ typedef struct cli_cad_options {
 } cli_cad_options;
 kn_status cli_stream_cad(kn_ctx *ctx, const kn_cad *cad, const char *name, const cli_cad_options *options,
                          kn_sink *sinks, int nsinks);
+// Segments of each span of each face in u and v, whose triangles are within tol > 0, about: kn_free. fails: KN_ENOMEM.
+kn_status cli_cad_segments(kn_ctx *ctx, int (**out)[2], const kn_cad *cad, double tol);
 // What is around a face: kn_free its edges.
 kn_status cli_cad_bounds(kn_ctx *ctx, kn_patch_bounds *out, const kn_cad *cad, int face, int max_degree);
 const char *cli_writable_endings(void);

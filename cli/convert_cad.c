@@ -7,8 +7,7 @@
 #include <math.h>
 #include <string.h>
 
-// Of a face in each direction, and of a piece of a trimmed one, at least.
-enum { SEGMENTS = 24, PIECE_SEGMENTS = 12 };
+enum { PIECE_SEGMENTS = 12 }; // of a piece of a trimmed face, in each direction, at least: its border has no other
 
 typedef struct faces {
     const kn_cad *cad;
@@ -19,7 +18,7 @@ typedef struct faces {
     kn_trim *trims;
     kn_patch_bounds *bounds;
     size_t npatches, room;
-    int segments; // of a span, that are within the tolerance everywhere
+    int (*segments)[2]; // of a span of each face, that are within the tolerance
 } faces;
 
 // ---- parts ----
@@ -94,8 +93,9 @@ static kn_status add(kn_ctx *ctx, faces *f, int face, kn_spline *s, kn_trim *tri
     if (f->trims[at].nloops > 0) p->trim = &f->trims[at];
     if (f->bounds[at].edges) p->bounds = &f->bounds[at];
     for (int d = 0; status == KN_OK && d < 2; d++) {
-        int spans = kn_spline_spans(own, d), least = p->trim ? PIECE_SEGMENTS : 1 + SEGMENTS / spans;
-        status = kn_bend_total(ctx, &p->segments[d], own, d, f->segments > least ? f->segments : least);
+        int n = f->segments[face][d];
+        if (p->trim && n < PIECE_SEGMENTS) n = PIECE_SEGMENTS;
+        status = kn_bend_total(ctx, &p->segments[d], own, d, n);
     }
     return status;
 }
@@ -173,23 +173,20 @@ static kn_status make_patches(kn_ctx *ctx, faces *f, const cli_cad_options *o)
 // The largest side of the box of all faces, and how finely they are tessellated; tol 0: a thousandth of its diagonal.
 static kn_status measure(kn_ctx *ctx, faces *f, double *size, double tol)
 {
-    double lo[3] = {INFINITY, INFINITY, INFINITY}, hi[3] = {-INFINITY, -INFINITY, -INFINITY}, bend = 0.0,
-           square = 0.0;
+    double lo[3] = {INFINITY, INFINITY, INFINITY}, hi[3] = {-INFINITY, -INFINITY, -INFINITY}, square = 0.0;
     kn_status status = KN_OK;
     for (int i = 0; status == KN_OK && i < f->cad->nfaces; i++) {
-        double from[3], to[3], one = 0.0;
+        double from[3], to[3];
         status = kn_spline_box(ctx, from, to, &f->cad->faces[i].surface);
-        if (status == KN_OK) status = kn_spline_bend(ctx, &one, &f->cad->faces[i].surface);
         for (int c = 0; status == KN_OK && c < 3; c++) lo[c] = fmin(lo[c], from[c]), hi[c] = fmax(hi[c], to[c]);
-        bend = fmax(bend, one);
     }
     *size = 0.0;
     for (int c = 0; status == KN_OK && c < 3; c++) {
         *size = fmax(*size, hi[c] - lo[c]);
         square += (hi[c] - lo[c]) * (hi[c] - lo[c]);
     }
-    if (status == KN_OK) f->segments = kn_bend_segments(bend, tol > 0.0 ? tol : 1e-3 * sqrt(square));
-    return status;
+    if (status != KN_OK) return status;
+    return cli_cad_segments(ctx, &f->segments, f->cad, tol > 0.0 ? tol : fmax(1e-3 * sqrt(square), 1e-300));
 }
 
 kn_status cli_stream_cad(kn_ctx *ctx, const kn_cad *cad, const char *name, const cli_cad_options *options,
@@ -207,7 +204,7 @@ kn_status cli_stream_cad(kn_ctx *ctx, const kn_cad *cad, const char *name, const
     }
     for (size_t i = 0; f.bounds && i <= f.room; i++) kn_free(ctx, (void *)f.bounds[i].edges);
     kn_free(ctx, f.bounds), kn_free(ctx, f.patches), kn_free(ctx, f.splines), kn_free(ctx, f.trims),
-        kn_free(ctx, f.look);
+        kn_free(ctx, f.look), kn_free(ctx, f.segments);
     kn_tile_clear(ctx, &f.tile);
     return status;
 }

@@ -11,7 +11,8 @@ enum { MOST_SEGMENTS = 128, MOST_TOTAL = 1 << 30 };
 // Over a box of 1/n of a piece in each direction the surface is within p (p - 1) / 8 |D2| / n^2 of what is linear
 // along a variable of degree p, and p q / 4 |D11| / n^2 of what is bilinear, the D second differences of control
 // points. Of rational pieces projected points stand for these: about right.
-static double bend_of(const kn_bezier *b)
+// bend[d]: those of variable d, and half of those that it shares: |D11| / (n m) <= (|D11| / n^2 + |D11| / m^2) / 2.
+static double bend_of(const kn_bezier *b, double bend[3])
 {
     size_t n = kn_bezier_count(b), stride[3] = {1, 1, 1};
     double sum = 0.0;
@@ -32,23 +33,43 @@ static double bend_of(const kn_bezier *b)
                 }
                 most = fmax(most, sqrt(square));
             }
-            sum += d == e ? p * (p - 1.0) / 8.0 * most : p * q / 4.0 * most;
+            double part = d == e ? p * (p - 1.0) / 8.0 * most : p * q / 4.0 * most;
+            sum += part;
+            bend[d] += 0.5 * part, bend[e] += 0.5 * part;
         }
     return sum;
 }
 
-kn_status kn_spline_bend(kn_ctx *ctx, double *out, const kn_spline *s)
+// The largest of all pieces, of all variables together and of each.
+static kn_status most_of(kn_ctx *ctx, double *all, double each[3], const kn_spline *s)
 {
     kn_bezier *pieces = NULL;
     size_t n = 0;
-    double most = 0.0;
     kn_status status = kn_spline_to_bezier(ctx, &pieces, &n, s);
+    *all = each[0] = each[1] = each[2] = 0.0;
     for (size_t i = 0; i < n; i++) {
-        most = fmax(most, bend_of(&pieces[i]));
+        double own[3] = {0.0, 0.0, 0.0};
+        *all = fmax(*all, bend_of(&pieces[i], own));
+        for (int d = 0; d < 3; d++) each[d] = fmax(each[d], own[d]);
         kn_bezier_clear(ctx, &pieces[i]);
     }
     kn_free(ctx, pieces);
-    if (status == KN_OK) *out = most;
+    return status;
+}
+
+kn_status kn_spline_bend(kn_ctx *ctx, double *out, const kn_spline *s)
+{
+    double all, each[3];
+    kn_status status = most_of(ctx, &all, each, s);
+    if (status == KN_OK) *out = all;
+    return status;
+}
+
+kn_status kn_spline_bends(kn_ctx *ctx, double out[3], const kn_spline *s)
+{
+    double all, each[3];
+    kn_status status = most_of(ctx, &all, each, s);
+    for (int d = 0; status == KN_OK && d < 3; d++) out[d] = each[d];
     return status;
 }
 

@@ -174,6 +174,73 @@ static void faces_as_triangles(void **state)
     assert_true(fine > coarse);
     remove(g2), remove(step), remove(stl);
 }
+
+// A side of a triangle, its ends in order of their bytes.
+typedef struct side {
+    float end[2][3];
+    int turn; // 1 or -1: which way it runs
+} side;
+
+static int compare_sides(const void *a, const void *b)
+{
+    return memcmp(((const side *)a)->end, ((const side *)b)->end, sizeof((const side *)a)->end);
+}
+
+static side *read_sides(const char *stl, size_t *n)
+{
+    size_t bytes;
+    char *data = test_read_file(stl, &bytes);
+    assert_true(data && bytes > 84);
+    side *sides = calloc((bytes - 84) / 50 * 3, sizeof *sides);
+    assert_non_null(sides);
+    *n = 0;
+    for (size_t t = 84; t + 50 <= bytes; t += 50) {
+        float x[3][3];
+        memcpy(x, data + t + 12, sizeof x);
+        for (int k = 0; k < 9; k++) x[k / 3][k % 3] += 0.0F; // one zero
+        for (int k = 0; k < 3; k++) {
+            side *s = &sides[(*n)++];
+            s->turn = memcmp(x[k], x[(k + 1) % 3], sizeof x[k]) < 0 ? 1 : -1;
+            memcpy(s->end[s->turn < 0], x[k], sizeof x[k]);
+            memcpy(s->end[s->turn > 0], x[(k + 1) % 3], sizeof x[k]);
+        }
+    }
+    free(data);
+    return sides;
+}
+
+static bool on_border(const side *s, float end)
+{
+    for (int c = 0; c < 2; c++)
+        for (int k = 0; k < 2; k++)
+            if (s->end[0][c] == (float)k * end && s->end[1][c] == (float)k * end) return true;
+    return false;
+}
+
+// The faces of a texture have as many triangles as they bend, no more, and those of neighbours meet: every side of one
+// is a side of another, turned round, but along the square's border.
+static void triangles_meet(void **state)
+{
+    (void)state;
+    char g2[PATH_BYTES], step[PATH_BYTES], stl[PATH_BYTES];
+    test_tmp_path(g2, "flat.g2"), test_tmp_path(step, "thorns.step"), test_tmp_path(stl, "thorns.stl");
+    write_text(g2, "200 1 0 0\n3 0\n2 2\n0 0 1 1\n2 2\n0 0 1 1\n0 0 0\n8 0 0\n0 8 0\n8 8 0\n");
+    assert_int_equal(run("apply %s --tile thorn --count 2,2 -q -o %s", g2, step), 0);
+    assert_int_equal(run("convert %s -o %s -q", step, stl), 0);
+    size_t n, open = 0, faces = 4 * 16;
+    side *sides = read_sides(stl, &n);
+    qsort(sides, n, sizeof *sides, compare_sides);
+    for (size_t i = 0, j = 0; i < n; i = j) {
+        int sum = 0;
+        for (; j < n && compare_sides(&sides[i], &sides[j]) == 0; j++) sum += sides[j].turn;
+        if (sum == 0) continue;
+        open++;
+        assert_true(j == i + 1 && on_border(&sides[i], 8.0F));
+    }
+    assert_true(open >= 4 * 2 && n / 3 < faces * 400); // 25 segments each way would be 1250
+    free(sides);
+    remove(g2), remove(step), remove(stl);
+}
 #endif
 
 // One file by several names: before it is there, and, by what the system says of it, when it is.
@@ -247,6 +314,7 @@ int main(void)
         cmocka_unit_test(names_of_files),
 #if KN_WITH_OCCT
         cmocka_unit_test(faces_as_triangles),
+        cmocka_unit_test(triangles_meet),
 #endif
         cmocka_unit_test(one_file_twice),
         cmocka_unit_test(what_is_refused),
