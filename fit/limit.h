@@ -40,6 +40,7 @@ typedef struct kn_limit_fit {
     double *coef; // ncomp arrays of the axes' counts
     double error;
     size_t worst;   // the span where it is largest, as far as that is known
+    double *spans;  // the piece's coefficients on all spans, where they are known, in scratch; else NULL
     kn_parts rough; // the piece's largest numbers
 } kn_limit_fit;
 
@@ -60,8 +61,8 @@ kn_status kn_limit_edge_row(kn_ctx *ctx, double *line, const double *coef, const
 // What an edge asks for by itself: limits are narrowed to a part of its size. *size: the largest distance of a control
 // point from the first; 0 where that is next to nothing.
 void kn_limit_narrow(kn_fit_limits *limits, double *size, const kn_bezier *edge);
-// *tilt = about how far the tangents of a curve's fit turn, radians, but for where they (almost) vanish. It decides
-// on levels and certifies nothing. KN_ENOMEM.
+// *tilt = about how far the tangents of a curve's fit turn, radians, but for where they (almost) vanish; f->spans is
+// known. It decides on levels and certifies nothing. KN_ENOMEM.
 kn_status kn_limit_tilt(kn_ctx *ctx, double *tilt, const kn_limit_fit *f);
 
 // ---- angles ----

@@ -254,16 +254,18 @@ kn_status kn_limit_turn_of(kn_ctx *ctx, kn_limit_turn *turn, const kn_limit_rows
 {
     const kn_limit_axis *x = &rows->along;
     size_t ncomp = (size_t)rows->ncomp, spans = (size_t)1 << x->level;
+    size_t m = ((size_t)x->from + 1) * ncomp;
     double *exact[2], *fit[2];
     kn_mark mark = kn_scratch_mark(ctx);
-    kn_status status = KN_OK;
-    for (int k = 0; k < 2 && status == KN_OK; k++) {
-        exact[k] = kn_scratch(ctx, ncomp * (((size_t)x->from + 1) << x->level), sizeof *exact[k]);
+    double *both = kn_scratch(ctx, 2 * m, sizeof *both), *cut = kn_scratch(ctx, 2 * m * spans, sizeof *cut);
+    for (int k = 0; k < 2; k++) {
+        exact[k] = cut ? cut + (size_t)k * m * spans : NULL;
         fit[k] = kn_scratch(ctx, ncomp * kn_limit_apart(x), sizeof *fit[k]);
-        if (!exact[k] || !fit[k]) status = KN_ENOMEM;
-        if (status == KN_OK) status = kn_limit_restrict(ctx, exact[k], rows->exact[k], ncomp, x, 1);
-        if (status == KN_OK) kn_limit_spread(fit[k], rows->fit[k], ncomp, x, 1);
+        if (both) memcpy(both + (size_t)k * m, rows->exact[k], m * sizeof *both);
+        if (fit[k]) kn_limit_spread(fit[k], rows->fit[k], ncomp, x, 1);
     }
+    kn_status status = both && cut && fit[0] && fit[1] ? kn_limit_restrict(ctx, cut, both, 2 * ncomp, x, 1)
+                                                       : KN_ENOMEM;
     for (size_t i = 0; i < spans && status == KN_OK; i++) {
         kn_mark inner = kn_scratch_mark(ctx);
         status = look_at_span(ctx, turn, rows, exact, fit, i);

@@ -184,7 +184,7 @@ static kn_status compare_spans(kn_ctx *ctx, fit *f, double *least, double enough
 static kn_status certify(kn_ctx *ctx, fit *f, double enough, double most)
 {
     enum { MOST = 1 << 25 }; // numbers that are held at once
-    double *mine = NULL, *theirs = NULL, least = 0.8 * enough;
+    double *mine = NULL, least = 0.8 * enough;
     size_t spans = 1, numbers = comps(f);
     for (int v = 0; v < f->a->nvars; v++) {
         size_t more = from_apart(&f->axis[v]);
@@ -192,10 +192,12 @@ static kn_status certify(kn_ctx *ctx, fit *f, double enough, double most)
             return kn_fail(ctx, KN_ELIMIT, "limits: a piece takes more than %d coefficients on its spans", MOST);
         numbers *= more;
     }
+    kn_status status = KN_OK;
+    if (!f->spans)
+        status = along_axes(ctx, &f->spans, f->a->coef, f, from_size, from_apart, is_one_span, kn_limit_restrict);
     kn_mark mark = kn_scratch_mark(ctx);
-    kn_status status = along_axes(ctx, &mine, f->coef, f, kn_limit_count, kn_limit_apart, is_one_span, spread);
     if (status == KN_OK)
-        status = along_axes(ctx, &theirs, f->a->coef, f, from_size, from_apart, is_one_span, kn_limit_restrict);
+        status = along_axes(ctx, &mine, f->coef, f, kn_limit_count, kn_limit_apart, is_one_span, spread);
     for (int v = 0; v < f->a->nvars; v++) spans <<= f->axis[v].level;
     double error = 0.0;
     size_t first = f->worst < spans ? f->worst : 0; // which tells how closely the others need to be looked at
@@ -206,7 +208,7 @@ static kn_status certify(kn_ctx *ctx, fit *f, double enough, double most)
             rest >>= f->axis[v].level;
         }
         kn_mark inner = kn_scratch_mark(ctx);
-        status = compare_spans(ctx, f, &least, enough, most, mine, theirs, span);
+        status = compare_spans(ctx, f, &least, enough, most, mine, f->spans, span);
         kn_scratch_release(ctx, inner);
         if (!(f->error <= error)) error = f->error, f->worst = s;
     }
@@ -246,6 +248,7 @@ static void round_off(const fit *f)
 // Fits and certifies with the axes as they are, to below `most` or not; edges: NULL, or to be put in place.
 static kn_status build(kn_ctx *ctx, fit *f, const kn_limit_edge *edges, double most)
 {
+    f->spans = NULL;
     kn_status status = along_axes(ctx, &f->coef, f->a->coef, f, from_size, kn_limit_count, is_kept, fitted);
     if (status != KN_OK) return status;
     round_off(f);

@@ -162,10 +162,10 @@ kn_status kn_limit_tilt(kn_ctx *ctx, double *tilt, const kn_limit_fit *f)
     const kn_limit_axis *x = &f->axis[0];
     size_t ncomp = (size_t)f->a->ncomp, spans = (size_t)1 << x->level, n = (size_t)x->from + 1, m = (size_t)x->to + 1;
     kn_mark mark = kn_scratch_mark(ctx);
-    double *exact = kn_scratch(ctx, ncomp * n * spans, sizeof *exact);
+    const double *exact = f->spans;
     double *fit = kn_scratch(ctx, ncomp * m * spans, sizeof *fit), *p = kn_scratch(ctx, 2 * ncomp * n, sizeof *p);
     double *q = p ? p + ncomp * n : NULL;
-    kn_status status = exact && fit && p ? kn_limit_restrict(ctx, exact, f->a->coef, ncomp, x, 1) : KN_ENOMEM;
+    kn_status status = fit && p ? KN_OK : KN_ENOMEM;
     *tilt = 0.0;
     if (status == KN_OK) kn_limit_spread(fit, f->coef, ncomp, x, 1);
     for (size_t s = 0; s < spans && status == KN_OK; s++) {
