@@ -149,7 +149,8 @@ typedef struct kn_fit_limits {
     double tolerance; // > 0, length units: of the distance at equal parameters
     // 0, or a power of two, at most tolerance / 4: inner control points of polynomial edges are multiples of it, or of
     // a smaller one where the edge is short, so that knots are inserted without rounding and edges agree exactly also
-    // where one side has more spans than the other; but not edges of low degree, which stay what they were.
+    // where one side has more spans than the other; but not edges of low degree, which stay what they were, nor the
+    // point after a corner from which an edge sets out at no speed: it is that corner.
     double quantum;
     int max_level; // of halving in each variable; 0: 8; at most 10
     // Radians, at most 0.8: spans of a surface in space are halved, up to 5 times, until its normals turn by no more
