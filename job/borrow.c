@@ -11,7 +11,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const double near = 1e-11;         // what lent coefficients may differ by: relative to S's size, and to n
+static const double near = 1e-11;          // what lent coefficients may differ by: relative to S's size, and to n
 static const size_t most_meeting = 200000; // patches of a family that interpolates: a minute or so
 
 // n is one polynomial over every cell, or there is none but what S has as knots.
@@ -138,7 +138,7 @@ static void find_families(kn_job *job, int *family, size_t *patches, bool *torn)
 kn_status kn_job_find_meeting(kn_ctx *ctx, kn_job *job)
 {
     size_t n = (size_t)job->nsurfaces;
-    bool can = job->options.equal_edges && !job->has_fields;
+    bool can = job->options.equal_edges && !(job->options.attraction && job->options.attraction_power == 1);
     for (int k = 0; k < job->npatches; k++) can = can && job->patches[k].d.nvars == 2;
     if (!can) return KN_OK;
     kn_mark mark = kn_scratch_mark(ctx);
@@ -166,7 +166,7 @@ kn_status kn_job_find_meeting(kn_ctx *ctx, kn_job *job)
     for (int i = 0; i < 4 * (int)n && status == KN_OK; i++)
         job->surfaces[i / 4].joint[i % 4] = kn_class_root(corner, i);
     kn_scratch_release(ctx, mark);
-    return status;
+    return status == KN_OK ? kn_job_meeting_scale(ctx, &job->meeting_height, job) : status;
 }
 
 // ---- rows of coefficients ----

@@ -168,6 +168,7 @@ struct kn_job {
     int nsurfaces;
     kn_job_term *terms;             // of the surfaces
     struct kn_job_meeting *meeting; // NULL: patches that interpolate have max_degree
+    double meeting_height;          // of the tile, in the largest thickness: what their errors are relative to
     struct kn_job_borders *borders; // of trims; NULL: nothing is trimmed
     struct kn_job_varying *varying; // NULL: tiles are the same everywhere
     struct kn_job_looks *looks;     // colours by fields; NULL: none
@@ -444,6 +445,8 @@ kn_job_meeting_fate kn_job_fate_of(const kn_job *job, const kn_job_place *place,
 void kn_job_set_fate(const kn_job *job, const kn_job_place *place, int patch, kn_job_meeting_fate fate);
 
 // ---- meet.c ----
+// *out = job->meeting_height, by the thickness at corners of cells that interpolate.
+kn_status kn_job_meeting_scale(kn_ctx *ctx, double *out, const kn_job *job);
 // at: T(d) with N/|N| at Chebyshev-Lobatto sites of these degrees, component by component, along t fastest. Leaves
 // scratch memory. fails: KN_EUNDEFINED no normal; KN_ENOMEM.
 kn_status kn_job_sample(kn_ctx *ctx, double *at, const kn_job *job, const kn_job_place *place, const kn_bezier *d,

@@ -75,19 +75,50 @@ static void find_first(int *surface, double x[2], const kn_job *job, const int c
     for (int k = 0; k < 2; k++) x[k] = line_at(s->lines[k], at[k], t[k]);
 }
 
+// h, from h n, which T moves by where w begins; n at x comes, too.
+static kn_status thickness_at(kn_ctx *ctx, double *h, double n[3], const kn_shell *shell, const double x[2])
+{
+    double at[3], jacobian[9], dot = 0.0, square = 0.0;
+    kn_status status = kn_shell_eval(ctx, at, jacobian, shell, x[0], x[1], 0.0);
+    if (status == KN_OK) status = kn_spline_eval(ctx, n, kn_shell_normal(shell), x);
+    if (status != KN_OK) return status;
+    for (int c = 0; c < 3; c++) dot += jacobian[3 * c + 2] * n[c], square += n[c] * n[c];
+    *h = dot / square;
+    return KN_OK;
+}
+
 // T there, with the unit normal itself.
 static kn_status value_at(kn_ctx *ctx, double out[3], const kn_job *job, const kn_job_place *place,
                           const double uvw[3])
 {
-    double x[2], n[3];
+    double x[2], n[3], m[3] = {0.0, 0.0, 0.0}, h = 1.0;
     int surface = place->surface;
     find_first(&surface, x, job, place->cell, uvw);
     const kn_shell *shell = job->surfaces[surface].shell;
     kn_status status = kn_spline_eval(ctx, out, kn_shell_surface(shell), x);
-    if (status == KN_OK && uvw[2] != 0.0) {
-        status = kn_shell_unit_normal(ctx, n, shell, x[0], x[1]);
-        for (int c = 0; c < 3 && status == KN_OK; c++) out[c] += uvw[2] * n[c];
+    if (status != KN_OK || uvw[2] == 0.0) return status;
+    if (job->has_fields) status = thickness_at(ctx, &h, m, shell, x);
+    if (status == KN_OK && job->has_fields) status = kn_shell_eval(ctx, out, NULL, shell, x[0], x[1], uvw[2]);
+    if (status == KN_OK) status = kn_shell_unit_normal(ctx, n, shell, x[0], x[1]);
+    for (int c = 0; c < 3 && status == KN_OK; c++) out[c] += uvw[2] * h * (n[c] - m[c]);
+    return status;
+}
+
+kn_status kn_job_meeting_scale(kn_ctx *ctx, double *out, const kn_job *job)
+{
+    enum { STEPS = 8 };
+    double most = job->has_fields ? 0.0 : 1.0, h, n[3];
+    kn_status status = KN_OK;
+    for (int i = 0; job->has_fields && i < job->nsurfaces * (STEPS + 1) * (STEPS + 1) && status == KN_OK; i++) {
+        const kn_job_surface *s = &job->surfaces[i / ((STEPS + 1) * (STEPS + 1))];
+        const int at[2] = {i / (STEPS + 1) % (STEPS + 1), i % (STEPS + 1)};
+        double x[2];
+        if (!s->meets) continue;
+        for (int v = 0; v < 2; v++) x[v] = s->lines[v][s->cells[v] * at[v] / STEPS];
+        status = thickness_at(ctx, &h, n, s->shell, x);
+        if (status == KN_OK) most = fmax(most, h);
     }
+    *out = fabs(job->report.height) * most;
     return status;
 }
 
@@ -296,12 +327,25 @@ typedef struct bounding {
     kn_normal_certificate normal; // the worst of the normals in use
 } bounding;
 
+// A bound of h over a piece, from that of its second term, h n, and 2^-40 of it for rounding.
+static double thickness_of(const kn_shell_piece *piece)
+{
+    double weight = INFINITY;
+    const kn_bezier *s = &piece->term[0];
+    size_t n = kn_bezier_count(s);
+    for (size_t i = 0; i < n && s->rational; i++) weight = fmin(weight, s->coef[3 * n + i]);
+    if (!s->rational) weight = 1.0;
+    weight *= 1.0 - piece->normal.length_error;
+    return weight > 0.0 ? kn_largest_vector(&piece->term[1], 0, 3) / weight * (1.0 + 0x1p-40) : INFINITY;
+}
+
 // Over [lo,hi] of q, with T(D) composed with the piece, of d.
 static kn_status bound_part(kn_ctx *ctx, bounding *b, const kn_shell_piece *piece, const kn_bezier *d,
                             const double *lo, const double *hi)
 {
     difference v = {.weight = 1.0};
-    double most = 0.0, known = (piece->normal.length_error + piece->normal.angle_error) * b->top;
+    double most = 0.0, thick = b->job->has_fields ? thickness_of(piece) : 1.0;
+    double known = (piece->normal.length_error + piece->normal.angle_error) * thick * b->top;
     kn_status status = find_difference(ctx, &v, piece, d, b->top, b->q, lo, hi);
     // what is below it need not be known better
     double least = fmax(0.0, (b->aim - known) * v.weight - v.rounding) / 1.25;
@@ -317,13 +361,14 @@ static kn_status bound_part(kn_ctx *ctx, bounding *b, const kn_shell_piece *piec
     return status;
 }
 
-// The degrees that n may have, added: the composition is to be possible. More of them ask for fewer parts.
+// The degrees that n may have, added: the composition is to be possible beside h, 1 and the weight, which the surface
+// has left room for. More of them ask for fewer parts.
 static int degree_sum_for(const bounding *b, const kn_bezier *d)
 {
     const kn_job_surface *s = &b->job->surfaces[b->place->surface];
-    const kn_spline *face = kn_shell_surface(s->shell);
     int m = d->degree[0] > d->degree[1] ? d->degree[0] : d->degree[1];
-    int room = KN_MAX_DEGREE / (m > 0 ? m : 1) - 1 - (face->rational ? face->degree[0] + face->degree[1] : 0);
+    int beside = b->job->options.max_degree / s->tile_degree - s->degree_sum;
+    int room = KN_MAX_DEGREE / (m > 0 ? m : 1) - beside;
     return room > MOST_DEGREES ? MOST_DEGREES : room;
 }
 
@@ -381,7 +426,7 @@ kn_status kn_job_meet(kn_ctx *ctx, bool *met, kn_job_cell_plan *plan, const kn_j
 {
     static const double zero[2] = {0.0, 0.0}, one[2] = {1.0, 1.0};
     const kn_job *job = plan->job;
-    double aim = 4.0 * job->report.normal_tol * fabs(job->report.height);
+    double aim = 4.0 * job->report.normal_tol * job->meeting_height;
     kn_bezier q = {0}, d = {0};
     bounding b = {job, place, &q, aim, 4.0 * aim, kn_job_leaf_patch(plan, leaf)->top, 0.0, plan->normal};
     int degree[2];

@@ -142,7 +142,7 @@ static int degree_along(int v, const double *at, int p, double tolerance)
 static kn_status find_need(kn_ctx *ctx, int need[2], const kn_job *job, const kn_job_place *place, const kn_bezier *d,
                            int p)
 {
-    double tolerance = 0.5 * job->report.normal_tol * fabs(job->report.height);
+    double tolerance = 0.5 * job->report.normal_tol * job->meeting_height;
     size_t sites = (size_t)((p + 1) * (p + 1));
     kn_mark mark = kn_scratch_mark(ctx);
     double *at = kn_scratch(ctx, 3 * sites, sizeof *at);

@@ -229,7 +229,7 @@ typedef struct meeting {
     const char *tile;
     void (*make)(kn_ctx *ctx, kn_spline *out); // NULL: patches of the teapot
     int patches[4], n, count[2];
-    bool equal;
+    bool equal, fields;
     int most; // the largest degree: what the sharpest row of cells needs, and not what there is room for
 } meeting;
 
@@ -249,9 +249,28 @@ static void part_of_tile(kn_ctx *ctx, kn_bezier *out, const kn_tile *tile, const
     assert_non_null(out->coef);
 }
 
-// The largest distance of a patch from S + w N/|N|, along its edges and inside.
+// Of a base over [0,1]^2: a thickness that is bilinear, and an attraction.
+static const double CORNERS[4] = {1, 1.25, 1.5, 1.75}, PULL[3] = {0.5, -1, 2};
+
+static long double thick(const long double x[2])
+{
+    return 1 + 0.5L * x[0] + 0.25L * x[1];
+}
+
+static void make_fields(kn_ctx *ctx, kn_spline *thickness, kn_spline *attraction)
+{
+    static const double line[4] = {0, 0, 1, 1};
+    const double *const knots[2] = {line, line};
+    const int degree[2] = {1, 1}, count[2] = {2, 2};
+    double pull[12];
+    for (int k = 0; k < 12; k++) pull[k] = PULL[k / 4];
+    assert_int_equal(kn_spline_init(ctx, thickness, 2, 1, false, degree, count, knots, CORNERS), KN_OK);
+    assert_int_equal(kn_spline_init(ctx, attraction, 2, 3, false, degree, count, knots, pull), KN_OK);
+}
+
+// The largest distance of a patch from S + w N/|N|, or S + w h N/|N| + w^2 psi, along its edges and inside.
 static double off_true(kn_ctx *ctx, const kn_patch *patch, const kn_job *job, const kn_tile *tile, const kn_spline *s,
-                       double height)
+                       double height, bool fields)
 {
     enum { STEPS = 10 };
     kn_bezier d = {0};
@@ -270,7 +289,9 @@ static double off_true(kn_ctx *ctx, const kn_patch *patch, const kn_job *job, co
         direct_surface(point, su, sv, n, s, x[0], x[1]);
         long double length = sqrtl(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
         if (length < 1e-9L) continue; // a pole
-        for (int c = 0; c < 3; c++) p[c] = (double)(point[c] + height * uvw[2] * n[c] / length);
+        double w = height * uvw[2], h = fields ? (double)thick(x) : 1.0;
+        for (int c = 0; c < 3; c++)
+            p[c] = (double)(point[c] + w * h * n[c] / length) + (fields ? w * w * PULL[c] : 0.0);
         most = fmax(most, apart(p, got));
     }
     kn_bezier_clear(ctx, &d);
@@ -301,7 +322,7 @@ static void check_meeting(kn_ctx *ctx, const meeting *m)
     kn_tile tile = {0};
     kn_job *job = NULL;
     kn_sink sink = {0};
-    kn_spline s[4] = {{0}};
+    kn_spline s[4] = {{0}}, thickness = {0}, attraction = {0};
     scene_result r = {0};
     kn_job_options o = kn_job_defaults();
     o.count[0] = m->count[0], o.count[1] = m->count[1], o.height = height, o.equal_edges = m->equal;
@@ -309,6 +330,8 @@ static void check_meeting(kn_ctx *ctx, const meeting *m)
         if (m->make) m->make(ctx, &s[i]);
         if (!m->make && !make_teapot(ctx, &s[i], m->patches[i])) fail_msg("data/teapot.bpt is not there");
     }
+    make_fields(ctx, &thickness, &attraction);
+    if (m->fields) o.thickness = &thickness, o.attraction = &attraction, o.max_degree = 32; // n needs room beside h
     assert_int_equal(kn_builtin_tile(ctx, &tile, m->tile), KN_OK);
     if (kn_job_create(ctx, &job, s, m->n, &tile, &o) != KN_OK) fail_msg("%s", kn_ctx_message(ctx));
     assert_int_equal(kn_step_sink(ctx, &sink, path, NULL), KN_OK);
@@ -317,17 +340,18 @@ static void check_meeting(kn_ctx *ctx, const meeting *m)
     scene_run(ctx, job, &r);
     check_bits(ctx, m, path, &r);
     double bound = kn_job_describe(job).stand_in_error;
-    assert_true(bound > 0 && bound <= 16e-6 * height);
+    assert_true(bound > 0 && bound <= 16e-6 * height * (m->fields ? CORNERS[3] : 1));
     for (size_t i = 0; i < r.count && m->equal; i++) {
         const kn_patch_id *id = &r.patches[i].id;
         assert_false(r.patches[i].exact || r.patches[i].bezier.rational);
         for (int v = 0; v < 2; v++) assert_true(r.patches[i].bezier.degree[v] <= m->most);
-        double off = off_true(ctx, &r.patches[i], job, &tile, &s[id->surface], height);
+        double off = off_true(ctx, &r.patches[i], job, &tile, &s[id->surface], height, m->fields);
         if (!(off <= bound)) fail_msg("%s, patch %zu: off by %g, and %g is stated", m->tile, i, off, bound);
     }
     scene_result_clear(&r);
     kn_job_destroy(ctx, job);
     kn_tile_clear(ctx, &tile);
+    kn_spline_clear(ctx, &thickness), kn_spline_clear(ctx, &attraction);
     for (int i = 0; i < m->n; i++) kn_spline_clear(ctx, &s[i]);
 }
 
@@ -335,16 +359,17 @@ static void patches_meet(void **state)
 {
     (void)state;
     static const meeting cases[] = {
-        {"thorn", NULL, {12, 13, 14, 15}, 4, {1, 1}, true, 14},
-        {"thorn", NULL, {12, 13}, 2, {1, 1}, false, 25},
-        {"bump", NULL, {16, 17}, 2, {1, 1}, true, 15},
-        {"scale", NULL, {12, 13}, 2, {2, 2}, true, 12},
-        {"knurl", NULL, {0, 1, 2, 3}, 4, {2, 2}, true, 13},
+        {"thorn", NULL, {12, 13, 14, 15}, 4, {1, 1}, true, false, 14},
+        {"thorn", NULL, {12, 13}, 2, {1, 1}, false, false, 25},
+        {"bump", NULL, {16, 17}, 2, {1, 1}, true, false, 15},
+        {"scale", NULL, {12, 13}, 2, {2, 2}, true, false, 12},
+        {"knurl", NULL, {0, 1, 2, 3}, 4, {2, 2}, true, false, 13},
         // rational surfaces: a closed one with a seam, one with poles, and one without either
-        {"wicker1", make_cylinder, {0}, 1, {4, 1}, true, 8},
-        {"thorn", make_sphere, {0}, 1, {4, 2}, true, 12},
-        {"thorn", scene_torus, {0}, 1, {1, 1}, true, 12},
-        {"thorn", scene_torus, {0}, 1, {1, 1}, false, 25},
+        {"wicker1", make_cylinder, {0}, 1, {4, 1}, true, false, 8},
+        {"bump", make_sphere, {0}, 1, {4, 2}, true, false, 12},
+        {"thorn", scene_torus, {0}, 1, {1, 1}, true, false, 12},
+        {"thorn", scene_torus, {0}, 1, {1, 1}, true, true, 12},
+        {"thorn", NULL, {12}, 1, {1, 1}, true, true, 14},
     };
     test_memory memory = TEST_MEMORY_INIT;
     kn_ctx *ctx = test_ctx(&memory, 1);
@@ -352,8 +377,53 @@ static void patches_meet(void **state)
     test_ctx_end(ctx, &memory);
 }
 
+static kn_status meet_and_run(kn_ctx *ctx, void *user)
+{
+    kn_tile tile = {0};
+    kn_job *job = NULL;
+    kn_spline s = {0};
+    kn_sink sink = {0};
+    kn_job_options o = kn_job_defaults();
+    o.count[0] = o.count[1] = 1, o.height = 0.05, o.equal_edges = true, o.normal_tol = 1e-4;
+    kn_status status = kn_spline_copy(ctx, &s, user);
+    if (status == KN_OK) status = kn_builtin_tile(ctx, &tile, "bump");
+    if (status == KN_OK) status = kn_job_create(ctx, &job, &s, 1, &tile, &o);
+    if (status == KN_OK) status = kn_job_run(ctx, job, &sink, 0);
+    assert_true(status != KN_OK || kn_job_describe(job).exact_patches == 0);
+    kn_job_destroy(ctx, job);
+    kn_tile_clear(ctx, &tile);
+    kn_spline_clear(ctx, &s);
+    return status;
+}
+
+// All places would take minutes: there are thousands. Those of the plan and the run come last.
+static void patches_meet_without_memory(void **state)
+{
+    enum { FAILURES = 32 };
+    (void)state;
+    test_memory memory = TEST_MEMORY_INIT;
+    kn_ctx *ctx = test_ctx(&memory, 1);
+    kn_spline s = {0};
+    scene_torus(ctx, &s);
+    size_t calls = memory.calls;
+    assert_int_equal(meet_and_run(ctx, &s), KN_OK);
+    calls = memory.calls - calls;
+    for (size_t k = 0; k < FAILURES; k++) {
+        test_memory small = TEST_MEMORY_INIT;
+        kn_ctx *poor = test_ctx(&small, 1);
+        small.fail_at = small.calls + calls - 1 - k * k * (calls - 1) / (FAILURES * FAILURES);
+        assert_int_equal(meet_and_run(poor, &s), KN_ENOMEM);
+        assert_int_equal(kn_ctx_error(poor), KN_ENOMEM);
+        assert_true(small.failed);
+        test_ctx_end(poor, &small);
+    }
+    kn_spline_clear(ctx, &s);
+    test_ctx_end(ctx, &memory);
+}
+
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(bodies_close), cmocka_unit_test(patches_meet)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(bodies_close), cmocka_unit_test(patches_meet),
+                                       cmocka_unit_test(patches_meet_without_memory)};
     return cmocka_run_group_tests_name("job/closed", tests, NULL, NULL);
 }
