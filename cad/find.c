@@ -145,9 +145,9 @@ static kn_status by_place(find *f, part p)
         if (status == KN_EPARSE) kn_ctx_clear_error(f->ctx); // it names no file
         return status == KN_EPARSE ? bad_text(f, p) : status;
     }
-    int face = 0;
-    kn_status status = kn_cad_nearest(f->ctx, &face, f->cad, x);
-    if (status == KN_OK) f->factor[face] = true;
+    int face = -1;
+    kn_status status = kn_cad_nearest(f->ctx, &face, f->cad, f->term, x);
+    if (status == KN_OK && face >= 0) f->factor[face] = true;
     return status;
 }
 
@@ -245,13 +245,14 @@ static kn_status find_factor(find *f, part p)
         of = color_label;
         status = by_color(f, p);
     } else if (begins(&p, "near:")) {
+        of = NULL;
         status = by_place(f, p);
     } else {
         status = by_number(f, p);
     }
     bool any = false;
     for (int i = 0; i < nfaces; i++) any = any || f->factor[i];
-    return status == KN_OK && !any ? none(f, all, of) : status;
+    return status == KN_OK && !any && of ? none(f, all, of) : status;
 }
 
 // Up to the next of these characters, which is skipped.
@@ -265,16 +266,21 @@ static part next_part(part *rest, char separator)
     return p;
 }
 
-static kn_status find_term(find *f, part term)
+// What is near comes last: the nearest one of those that all else holds for.
+static kn_status find_term(find *f, part all)
 {
-    const part all = term;
     kn_status status = KN_OK;
     bool any = false;
     for (int i = 0; i < f->cad->nfaces; i++) f->term[i] = true;
-    do {
-        status = find_factor(f, next_part(&term, '&'));
-        for (int i = 0; status == KN_OK && i < f->cad->nfaces; i++) f->term[i] = f->term[i] && f->factor[i];
-    } while (status == KN_OK && term.n > 0);
+    for (int last = 0; last < 2; last++) {
+        part rest = all;
+        do {
+            part one = next_part(&rest, '&'), key = one;
+            if (begins(&key, "near:") != (last == 1)) continue;
+            status = find_factor(f, one);
+            for (int i = 0; status == KN_OK && i < f->cad->nfaces; i++) f->term[i] = f->term[i] && f->factor[i];
+        } while (status == KN_OK && rest.n > 0);
+    }
     for (int i = 0; status == KN_OK && i < f->cad->nfaces; i++) {
         f->chosen[i] = f->chosen[i] || f->term[i];
         any = any || f->term[i];

@@ -128,7 +128,7 @@ static kn_status look_at_surface(look *k, bool *done)
     return status;
 }
 
-kn_status kn_cad_nearest(kn_ctx *ctx, int *face, const kn_cad *cad, const double point[3])
+kn_status kn_cad_nearest(kn_ctx *ctx, int *face, const kn_cad *cad, const bool *among, const double point[3])
 {
     double nearest = INFINITY;
     kn_status status = KN_OK;
@@ -136,6 +136,7 @@ kn_status kn_cad_nearest(kn_ctx *ctx, int *face, const kn_cad *cad, const double
         look k = {.ctx = ctx, .face = &cad->faces[i], .point = point, .nearest = INFINITY};
         double least = 0.0;
         bool done = false;
+        if (!among[i]) continue;
         status = kn_progress(ctx, "near", (double)i / cad->nfaces);
         if (status == KN_OK) status = box_distance(ctx, &least, &k.face->surface, point);
         if (status != KN_OK || least >= nearest) continue;

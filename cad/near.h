@@ -5,7 +5,8 @@
 
 #include <knurl/cad.h>
 
-// As kn_cad_find says; the first of equals. in: a model with faces.
-KN_CHECKED kn_status kn_cad_nearest(kn_ctx *ctx, int *face, const kn_cad *cad, const double point[3]);
+// As kn_cad_find says, among the faces that a flag is set for; the first of equals. *face: unchanged where there is none.
+KN_CHECKED kn_status kn_cad_nearest(kn_ctx *ctx, int *face, const kn_cad *cad, const bool *among,
+                                    const double point[3]);
 
 #endif

@@ -208,7 +208,7 @@ static void print_text(const cli_apply *a, const kn_job_report *r, const cli_fit
         printf("every patch is the exact composition\n");
     else
         printf("%zu patches exact, %zu within %.1e (certified)\n", r->exact_patches, r->patches - r->exact_patches,
-               cli_outward(r->stand_in_error, 1, CLI_TEXT_DIGITS));
+               cli_outward(r->stand_in_error + r->crossing_error, 1, CLI_TEXT_DIGITS));
     cli_print_fit(fit);
     cli_print_body(body);
     if (!(r->jacobian_lo > 0))

@@ -170,7 +170,7 @@ KN_API KN_CHECKED kn_status kn_cad_join(kn_ctx *ctx, kn_cad_joined *out, const k
 //                             the number of one
 //     type:TYPE               kn_cad_type_name
 //     color:#rrggbb           sRGB, to within 1 of 255
-//     near:X,Y,Z              the one that is nearest to the point
+//     near:X,Y,Z              the one that is nearest to the point, of those that all else between '&' holds for
 // out:    *faces, *n >= 1 of them, increasing: kn_free. Overwritten.
 // fails:  KN_EDOMAIN: no such text, or a part of it that no face agrees with: the message says what there is.
 //         KN_ENOMEM, KN_ECANCELLED; out unchanged.

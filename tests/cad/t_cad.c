@@ -398,6 +398,8 @@ static void faces_by_text(void **state)
     found(&s, "body:box", 63), found(&s, "body:0", 63);
     found(&s, "near:0.5,1,9", 2), found(&s, "near:0.5,-1,1", 4), found(&s, "near:0.5,1,-0.1", 1);
     found(&s, "near:0.9,1,1.5&type:bspline", 32);
+    // of those that the rest holds for, wherever it stands
+    found(&s, "near:0.5,1,9&type:bspline", 32), found(&s, "name:*t*&near:0.5,1,9", 2), found(&s, "3&near:0.5,1,9", 8);
     not_found(&s, "6", "0 to 5"), not_found(&s, "3-1", "expected"), not_found(&s, "1,", "expected");
     not_found(&s, "", "expected"), not_found(&s, "x:1", "expected"), not_found(&s, "99999999999", "0 to 5");
     not_found(&s, "name:lid", "bottom, top, front, back, left, right grip");
