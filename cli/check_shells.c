@@ -128,7 +128,7 @@ static int fail(cli_session *session, const check *c, kn_status status)
     for (int i = 0; i < c->nshells && !s; i++)
         if (c->shells[i].failure[0]) s = &c->shells[i];
     bool blame = status == KN_EDOMAIN || status == KN_ELIMIT || status == KN_EUNDEFINED || status == KN_EUNDECIDED;
-    if (!s || !blame) return cli_fail_on_job(session, status, &c->job);
+    if (!s || !blame) return cli_fail_on_job(session, status, &c->job, &c->base);
     cli_field_text field = cli_blamed_field(&c->job, s->failure);
     return cli_fail_at(session, status, "%s%s: surface %d: %s", field.text, c->job.base, s->surface, s->failure);
 }

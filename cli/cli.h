@@ -238,7 +238,8 @@ typedef struct cli_job {
     int threads;
     bool has_cell, has_size, has_camera;
     cli_body_mode body;
-    double join_angle; // degrees; 0: the default
+    struct cli_face_colors *face_colors; // of the base, where the tile has none; NULL: none
+    double join_angle;                   // degrees; 0: the default
     bool no_join;
     const kn_cad_joined *joined; // the base's; NULL: it is one face, or no CAD file
     bool base_only;              // it is not written itself
@@ -275,6 +276,10 @@ double cli_linear_of_srgb(double x);
 // A palette, steps or parts, and no field.
 bool cli_color_lacks_field(const cli_color *color);
 int cli_color_begin(cli_session *session, cli_color *color, uint64_t seed); // the rules; exit code
+// Parts of the tile that nobody gave a colour have that of the base's faces, one or a rule for several. After
+// cli_choose_faces; until cli_job_end.
+kn_status cli_take_face_colors(kn_ctx *ctx, cli_job *job, kn_tile *tile, const cli_base *base);
+void cli_face_colors_free(kn_ctx *ctx, struct cli_face_colors *colors); // NULL is fine
 // job->view from the camera.
 void cli_make_view(cli_job *job);
 // The angle above which an edge inside a base is a crease: what a job takes (0: the default tolerance of normals).
@@ -286,8 +291,9 @@ typedef struct cli_field_text {
     char text[512];
 } cli_field_text;
 cli_field_text cli_blamed_field(const cli_job *job, const char *message);
-// cli_fail_on for work on the job's base; the message names the file of a field that is to blame.
-int cli_fail_on_job(cli_session *session, kn_status status, const cli_job *job);
+// cli_fail_on for work on the job's base; the message names the file of a field that is to blame, and of a CAD file the
+// face.
+int cli_fail_on_job(cli_session *session, kn_status status, const cli_job *job, const cli_base *base);
 // A field that is no file: false after a message when no texture can have it.
 bool cli_field_makes_sense(const char *name, cli_field_kind kind, const cli_field *field);
 // The heights from the base to the job's height on its side, lifted by the offset: lo <= hi.

@@ -2,6 +2,7 @@
 // Fields over a base: a vector or a number for all of it, or a spline from a file.
 #include "cli/cli.h"
 
+#include <stdlib.h>
 #include <string.h>
 
 static int components_of(cli_field_kind kind)
@@ -38,14 +39,29 @@ cli_field_text cli_blamed_field(const cli_job *job, const char *message)
     return out;
 }
 
-int cli_fail_on_job(cli_session *session, kn_status status, const cli_job *job)
+// Which face of a CAD file a surface is that a message names, for faces that are chosen are numbered anew.
+static cli_field_text name_face(const cli_base *base, const char *message)
+{
+    cli_field_text out = {""};
+    const char *at = strstr(message, "surface ");
+    char *end = NULL;
+    long s = at ? strtol(at + strlen("surface "), &end, 10) : -1;
+    if (!base->face || !at || end == at + strlen("surface ") || s < 0 || s >= base->nsurfaces) return out;
+    const char *name = base->cad.faces[base->face[s]].name;
+    int n = snprintf(out.text, sizeof out.text, "; surface %ld is face %d of the file", s, base->face[s]);
+    if (name[0]) snprintf(out.text + n, sizeof out.text - (size_t)n, ", \"%s\"", name);
+    return out;
+}
+
+int cli_fail_on_job(cli_session *session, kn_status status, const cli_job *job, const cli_base *base)
 {
     char message[512];
     snprintf(message, sizeof message, "%s", kn_ctx_message(cli_ctx(session)));
-    cli_field_text field = cli_blamed_field(job, message);
-    if (!*field.text || (status != KN_EDOMAIN && status != KN_ELIMIT && status != KN_EUNDEFINED))
+    cli_field_text field = cli_blamed_field(job, message), face = name_face(base, message);
+    bool blame = status == KN_EDOMAIN || status == KN_ELIMIT || status == KN_EUNDEFINED;
+    if ((!*field.text || !blame) && (!*face.text || (!blame && status != KN_EUNDECIDED)))
         return cli_fail_on(session, status, job->base, false);
-    return cli_fail_at(session, status, "%s%s: %s", field.text, job->base, message);
+    return cli_fail_at(session, status, "%s%s: %s%s", field.text, job->base, message, face.text);
 }
 
 // Of degree 1, as everything that is differentiated later likes it.

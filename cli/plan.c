@@ -34,7 +34,7 @@ static int plan_layer(cli_session *session, cli_plan *plan, const cli_recipe *re
     if (status != KN_OK && layer->on > 0)
         return cli_fail_at(session, status, "%s: layer %d, on layer %d: %s", layer->base, i + 1, layer->on,
                            kn_ctx_message(cli_ctx(session)));
-    if (status != KN_OK) return cli_fail_on_job(session, status, layer);
+    if (status != KN_OK) return cli_fail_on_job(session, status, layer, &inputs->base);
     plan->njobs = i + 1;
     if (!layer->base_only) {
         plan->shown_layer[plan->nshown] = i;

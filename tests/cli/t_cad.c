@@ -97,6 +97,21 @@ static void names_in_iges(void **state)
     remove(path);
 }
 
+// A face that cannot be textured is named by its number in the file, and its name.
+static void a_face_is_to_blame(void **state)
+{
+    (void)state;
+    char out[PATH_BYTES];
+    test_tmp_path(out, "blame.stl");
+    assert_int_equal(run("apply '%s' --faces 2-3 --no-join --tile straight --count 2,2 -q -o '%s'", knob, out), 3);
+    assert_non_null(strstr(complained, "surface 0, which has 4 knot spans there"));
+    assert_non_null(strstr(complained, "; surface 0 is face 2 of the file\n"));
+    assert_int_equal(run("apply '%s' --faces 3 --tile straight --count 2,2 -q -o '%s'", knob, out), 3);
+    assert_non_null(strstr(complained, "; surface 0 is face 3 of the file, \"grip\"\n"));
+    assert_int_equal(run("apply data/cone.g2 --tile straight --count 1,1 -q -o '%s'", out), 3);
+    assert_null(strstr(complained, " of the file"));
+}
+
 // A cylinder in each format.
 static void three_formats(void **state)
 {
@@ -379,11 +394,11 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(what_is_in_a_file),   cmocka_unit_test(names_in_iges),
-        cmocka_unit_test(three_formats),       cmocka_unit_test(faces_are_chosen),
-        cmocka_unit_test(faces_are_not_there), cmocka_unit_test(broken_files),
-        cmocka_unit_test(no_reader),           cmocka_unit_test(compressed_files),
-        cmocka_unit_test(a_box_is_a_tile),     cmocka_unit_test(weights_are_no_tile),
-        cmocka_unit_test(other_programs),
+        cmocka_unit_test(a_face_is_to_blame),  cmocka_unit_test(three_formats),
+        cmocka_unit_test(faces_are_chosen),    cmocka_unit_test(faces_are_not_there),
+        cmocka_unit_test(broken_files),        cmocka_unit_test(no_reader),
+        cmocka_unit_test(compressed_files),    cmocka_unit_test(a_box_is_a_tile),
+        cmocka_unit_test(weights_are_no_tile), cmocka_unit_test(other_programs),
     };
     return cmocka_run_group_tests_name("cli/cad", tests, NULL, NULL);
 }
