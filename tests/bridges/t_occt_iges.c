@@ -5,91 +5,17 @@
 #include <knurl/iges.h>
 
 #if KN_WITH_OCCT
-#include "bridges/occt/occt_check.h"
+#include "tests/bridges/occt_trip.h"
 
 #include <math.h>
 #include <stdio.h>
-#include <string.h>
 
-enum { MOST = 16 };
-
-// Patches on their way through a file.
-typedef struct trip {
-    test_memory memory;
-    kn_ctx *ctx;
-    test_rng rng;
-    test_tile tile;
-    kn_patch patch[MOST];
-    size_t count;
-    char path[TEST_PATH_BYTES];
-    kn_occt_model *model;
-    kn_occt_report report;
-} trip;
-
-static void trip_start(trip *t, int nparts)
-{
-    *t = (trip){.memory = TEST_MEMORY_INIT};
-    t->ctx = test_ctx(&t->memory, 1);
-    t->rng = test_random(4243);
-    test_tile_make(&t->tile, nparts);
-    test_tmp_path(t->path, "trip.igs");
-}
-
-static kn_patch *trip_add(trip *t, int m, int n, bool rational)
-{
-    kn_patch *patch = &t->patch[t->count];
-    test_patch(t->ctx, patch, &t->rng, m, n, rational, 1.25 * (double)t->count, 0.1);
-    patch->id = (kn_patch_id){.surface = 2, .cell = {(int)t->count, 7}, .patch = 12};
-    t->count++;
-    return patch;
-}
-
-// Writes and reads.
 static void trip_through(trip *t, const kn_iges_options *options)
 {
     kn_sink sink;
-    kn_job_report report = test_report(t->count, 25, 25);
     assert_int_equal(kn_iges_sink(t->ctx, &sink, t->path, options), KN_OK);
-    assert_int_equal(test_feed(t->ctx, &sink, &t->tile.tile, &report, t->patch, t->count, 2), KN_OK);
-    kn_sink_close(t->ctx, &sink);
-    kn_status status = kn_occt_open_iges(t->ctx, &t->model, t->path);
-    if (status == KN_OK) status = kn_occt_check(t->ctx, &t->report, t->model);
-    assert_string_equal(kn_ctx_message(t->ctx), "");
-    assert_int_equal(status, KN_OK);
-    assert_true(t->report.unit_mm == 1.0);
-}
-
-static void trip_end(trip *t)
-{
-    kn_occt_close(t->ctx, t->model);
-    for (size_t i = 0; i < t->count; i++) kn_bezier_clear(t->ctx, &t->patch[i].bezier);
-    remove(t->path);
-    test_ctx_end(t->ctx, &t->memory);
-}
-
-static void expect_valid(const trip *t)
-{
-    assert_int_equal(t->report.faces, t->count);
-    assert_int_equal(t->report.first_invalid, -1);
-    assert_int_equal(t->report.valid_faces, t->count);
-    assert_true(t->report.valid);
-}
-
-// Both sides evaluate the same control points by convex combinations of de Boor's kind: each level rounds by at most
-// gamma(3) of the largest coordinate, over degree levels in each variable, and the projection of a rational point
-// adds a few more. 1e-12 of the largest coordinate is far above that for degree 25.
-static void expect_points(trip *t, double mm)
-{
-    for (size_t i = 0; i < t->count; i++)
-        for (int k = 0; k < 20; k++) {
-            double at[2] = {test_uniform(&t->rng, 0.0, 1.0), test_uniform(&t->rng, 0.0, 1.0)}, ours[3], theirs[3];
-            kn_spline s = kn_patch_spline(&t->patch[i]);
-            assert_int_equal(kn_spline_eval(t->ctx, ours, &s, at), KN_OK);
-            assert_int_equal(kn_occt_eval(t->ctx, theirs, NULL, t->model, (int)i, at[0], at[1]), KN_OK);
-            for (int c = 0; c < 3; c++) ours[c] *= mm;
-            double size = fabs(ours[0]) + fabs(ours[1]) + fabs(ours[2]) + mm;
-            assert_true(test_max_difference(ours, theirs, 3) <= 1e-12 * size);
-        }
+    trip_write(t, &sink, 2);
+    trip_read(t);
 }
 
 static void kinds(void **state)
@@ -97,15 +23,14 @@ static void kinds(void **state)
     (void)state;
     for (int surfaces = 0; surfaces < 2; surfaces++) {
         trip t;
-        trip_start(&t, 1);
+        trip_start(&t, "trip.igs", 1);
         trip_add(&t, 1, 1, false);
         trip_add(&t, 2, 5, false);
         trip_add(&t, 21, 14, false);
         trip_add(&t, 2, 2, true);
         trip_add(&t, 5, 4, true);
         trip_through(&t, &(kn_iges_options){.unit_mm = 25.4, .surfaces = surfaces});
-        expect_valid(&t);
-        expect_points(&t, 25.4);
+        trip_expect_points(&t, 25.4);
         assert_int_equal(t.report.solids, 0);
         assert_int_equal(t.report.rational_faces, 2);
         assert_int_equal(t.report.max_degree, 21);
@@ -122,7 +47,7 @@ static void splines(void **state)
     trip t;
     kn_spline s[2] = {{0}}, edge[2][4] = {{{0}}};
     const double half = 0.5;
-    trip_start(&t, 1);
+    trip_start(&t, "trip.igs", 1);
     for (int i = 0; i < 2; i++) {
         kn_patch *patch = trip_add(&t, 3, 3, false);
         for (int k = 0; k < 4; k++) // r = 1 of the first is r = 0 of the second
@@ -139,8 +64,7 @@ static void splines(void **state)
         t.patch[i].spline = &s[i], t.patch[i].edge = edge[i];
     }
     trip_through(&t, NULL);
-    expect_valid(&t);
-    expect_points(&t, 1.0);
+    trip_expect_points(&t, 1.0);
     assert_int_equal(t.report.edges, 7);
     assert_int_equal(t.report.vertices, 6);
     assert_int_equal(t.report.shells, 1);
@@ -168,15 +92,14 @@ static void seams_and_poles(void **state)
 {
     (void)state;
     trip t;
-    trip_start(&t, 1);
+    trip_start(&t, "trip.igs", 1);
     make_tube(&trip_add(&t, 6, 1, false)->bezier, 0.0, false);
     make_tube(&trip_add(&t, 6, 1, false)->bezier, 4.0, true);
     kn_bezier *b = &trip_add(&t, 3, 3, false)->bezier;
     for (int k = 1; k < 4; k++)
         for (int c = 0; c < 3; c++) b->coef[16 * c + k] = b->coef[16 * c]; // edge r = 0
     trip_through(&t, NULL);
-    expect_valid(&t);
-    expect_points(&t, 1.0);
+    trip_expect_points(&t, 1.0);
     trip_end(&t);
 }
 
@@ -211,11 +134,10 @@ static void bodies(void **state)
     (void)state;
     for (int lack = 0; lack < 3; lack++) {
         trip t;
-        trip_start(&t, 3);
+        trip_start(&t, "trip.igs", 3);
         add_cube(&t, lack == 1 ? 5 : 6, lack == 2 ? 3 : -1);
         const char *const surfaces[3] = {"", NULL, "the grip"};
         trip_through(&t, lack == 2 ? &(kn_iges_options){.surface_names = surfaces, .nsurfaces = 3} : NULL);
-        expect_valid(&t);
         assert_int_equal(t.report.edges, 12);
         assert_int_equal(t.report.vertices, 8);
         assert_int_equal(t.report.shells, 1);
@@ -253,26 +175,10 @@ static void trimmed_faces(void **state)
     (void)state;
     enum { CUTS = 4 };
     trip t;
-    kn_trim side[2 * CUTS] = {0}, whole = {0};
-    trip_start(&t, 1);
-    for (int k = 0; k < CUTS; k++) {
-        kn_bezier f = {0};
-        kn_trim_cut_report report;
-        static const double square[3] = {0.25, -0.25, 0.25}, bent[3] = {-0.4, 0.1, 0.45};
-        assert_int_equal(kn_bezier_init(t.ctx, &f, 2, 1, false, (int[]){2, 2}), KN_OK);
-        for (int i = 0; i < 9; i++)
-            f.coef[i] = k == 0 ? square[i / 3] + square[i % 3] - 0.1
-                               : bent[i / 3] + test_uniform(&t.rng, -0.08, 0.08);
-        assert_int_equal(kn_trim_cut(t.ctx, &side[2 * k], &side[2 * k + 1], &report, &whole, &f, 1e-3), KN_OK);
-        for (int i = 0; i < 2; i++) {
-            kn_patch *patch = trip_add(&t, 2 + k, 3, k % 2 == 1);
-            patch->trim = &side[2 * k + i];
-            patch->reversed = k == 3;
-        }
-        kn_bezier_clear(t.ctx, &f);
-    }
+    kn_trim side[2 * CUTS] = {0};
+    trip_start(&t, "trip.igs", 1);
+    trip_add_cuts(&t, side, CUTS);
     trip_through(&t, NULL);
-    expect_valid(&t);
     assert_true(t.report.max_tolerance < 2e-3); // that of the cut, and what cubics in space are off
     double area = t.report.area, ours = 0.0, unused = 0.0;
     for (size_t i = 0; i < t.count; i += 2) test_add_integrals(t.ctx, &unused, &ours, &t.patch[i]);
@@ -291,7 +197,7 @@ static void failures(void **state)
 {
     (void)state;
     trip t;
-    trip_start(&t, 1);
+    trip_start(&t, "trip.igs", 1);
     assert_int_equal(kn_occt_open_iges(t.ctx, &t.model, "/nowhere/bad.igs"), KN_EIO);
     kn_ctx_clear_error(t.ctx);
     test_write_file(t.path, "not IGES at all", 15);

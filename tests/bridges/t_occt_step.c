@@ -4,100 +4,14 @@
 #include <knurl/step.h>
 
 #if KN_WITH_OCCT
-#include "bridges/occt/occt_check.h"
+#include "tests/bridges/occt_trip.h"
 
-#include <math.h>
-#include <stdio.h>
-
-// A job's worth of patches on their way through a file.
-typedef struct trip {
-    test_memory memory;
-    kn_ctx *ctx;
-    test_rng rng;
-    test_tile tile;
-    kn_patch patch[64];
-    size_t count;
-    char path[TEST_PATH_BYTES];
-    kn_occt_model *model;
-    kn_occt_report report;
-} trip;
-
-static void trip_start(trip *t, const char *name, int nparts)
-{
-    *t = (trip){.memory = TEST_MEMORY_INIT};
-    t->ctx = test_ctx(&t->memory, 1);
-    t->rng = test_random(4242);
-    test_tile_make(&t->tile, nparts);
-    test_tmp_path(t->path, name);
-}
-
-static kn_patch *trip_add(trip *t, int m, int n, bool rational)
-{
-    kn_patch *patch = &t->patch[t->count];
-    test_patch(t->ctx, patch, &t->rng, m, n, rational, 1.25 * (double)t->count, 0.1);
-    patch->id = (kn_patch_id){.surface = 2, .cell = {(int)t->count, 7}, .patch = 12};
-    t->count++;
-    return patch;
-}
-
-static void trip_write(trip *t, const kn_step_options *options, size_t block)
+static void trip_through(trip *t, const kn_step_options *options, size_t block)
 {
     kn_sink sink;
-    kn_job_report report = test_report(t->count, 0, 0);
-    for (size_t i = 0; i < t->count; i++)
-        for (int d = 0; d < 2; d++)
-            if (t->patch[i].bezier.degree[d] > report.degree[d]) report.degree[d] = t->patch[i].bezier.degree[d];
-    for (size_t i = 0; i < t->count; i++) {
-        size_t spans = 0;
-        if (!t->patch[i].trim) continue;
-        for (int k = 0; k < t->patch[i].trim->ncurves; k++)
-            spans += (size_t)kn_spline_spans(&t->patch[i].trim->curves[k], 0);
-        if ((size_t)t->patch[i].trim->ncurves > report.trim_curves)
-            report.trim_curves = (size_t)t->patch[i].trim->ncurves;
-        if (spans > report.trim_spans) report.trim_spans = spans;
-    }
     assert_int_equal(kn_step_sink(t->ctx, &sink, t->path, options), KN_OK);
-    assert_int_equal(test_feed(t->ctx, &sink, &t->tile.tile, &report, t->patch, t->count, block), KN_OK);
-    kn_sink_close(t->ctx, &sink);
-}
-
-static void trip_read(trip *t)
-{
-    kn_status status = kn_occt_open_step(t->ctx, &t->model, t->path);
-    if (status == KN_OK) status = kn_occt_check(t->ctx, &t->report, t->model);
-    assert_string_equal(kn_ctx_message(t->ctx), "");
-    assert_int_equal(status, KN_OK);
-}
-
-static void trip_end(trip *t)
-{
-    kn_occt_close(t->ctx, t->model);
-    for (size_t i = 0; i < t->count; i++) kn_bezier_clear(t->ctx, &t->patch[i].bezier);
-    remove(t->path);
-    test_ctx_end(t->ctx, &t->memory);
-}
-
-static void expect_valid(const trip *t)
-{
-    assert_int_equal(t->report.faces, t->count);
-    assert_int_equal(t->report.first_invalid, -1);
-    assert_int_equal(t->report.valid_faces, t->count);
-}
-
-// Both sides evaluate the same control points by convex combinations of de Boor's kind: each level rounds by at most
-// gamma(3) of the largest coordinate, over degree levels in each variable, and the projection of a rational point
-// adds a few more. 1e-12 of the largest coordinate is far above that for degree 25.
-static void expect_points(trip *t, double mm)
-{
-    for (size_t i = 0; i < t->count; i++)
-        for (int k = 0; k < 20; k++) {
-            double at[2] = {test_uniform(&t->rng, 0.0, 1.0), test_uniform(&t->rng, 0.0, 1.0)}, ours[3], theirs[3];
-            assert_int_equal(kn_bezier_eval(t->ctx, ours, &t->patch[i].bezier, at), KN_OK);
-            assert_int_equal(kn_occt_eval(t->ctx, theirs, NULL, t->model, (int)i, at[0], at[1]), KN_OK);
-            for (int c = 0; c < 3; c++) ours[c] *= mm;
-            double size = fabs(ours[0]) + fabs(ours[1]) + fabs(ours[2]) + mm;
-            assert_true(test_max_difference(ours, theirs, 3) <= 1e-12 * size);
-        }
+    trip_write(t, &sink, block);
+    trip_read(t);
 }
 
 static void polynomial(void **state)
@@ -110,14 +24,11 @@ static void polynomial(void **state)
     trip_add(&t, 2, 5, false);
     trip_add(&t, 21, 14, false);
     trip_add(&t, 25, 25, false);
-    trip_write(&t, NULL, 2);
-    trip_read(&t);
-    expect_valid(&t);
-    expect_points(&t, 1.0);
+    trip_through(&t, NULL, 2);
+    trip_expect_points(&t, 1.0);
     assert_int_equal(t.report.solids, 0);
     assert_int_equal(t.report.rational_faces, 0);
     assert_int_equal(t.report.max_degree, 25);
-    assert_true(t.report.unit_mm == 1.0);
     trip_end(&t);
 }
 
@@ -135,10 +46,8 @@ static void rational(void **state)
         for (size_t c = 0; c < 3; c++) equal->coef[c * n + k] *= 2.0 / equal->coef[3 * n + k];
         equal->coef[3 * n + k] = 2.0;
     }
-    trip_write(&t, NULL, 1);
-    trip_read(&t);
-    expect_valid(&t);
-    expect_points(&t, 1.0);
+    trip_through(&t, NULL, 1);
+    trip_expect_points(&t, 1.0);
     assert_int_equal(t.report.rational_faces, 3);
     trip_end(&t);
 }
@@ -169,10 +78,8 @@ static void collapsed_edges(void **state)
     trip_add(&t, 3, 3, false)->bezier.coef[0] += 1e-15; // nearly: what rounding leaves of a pole
     collapse(&t.patch[6].bezier, 2);
     t.patch[6].bezier.coef[3] += 1e-16;
-    trip_write(&t, NULL, 3);
-    trip_read(&t);
-    expect_valid(&t);
-    expect_points(&t, 1.0);
+    trip_through(&t, NULL, 3);
+    trip_expect_points(&t, 1.0);
     trip_end(&t);
 }
 
@@ -202,10 +109,8 @@ static void closed_patches(void **state)
     kn_bezier *cone = &trip_add(&t, 6, 1, false)->bezier; // closed, and one edge collapsed
     make_tube(cone, 0, 4.0);
     collapse(cone, 2);
-    trip_write(&t, NULL, 4);
-    trip_read(&t);
-    expect_valid(&t);
-    expect_points(&t, 1.0);
+    trip_through(&t, NULL, 4);
+    trip_expect_points(&t, 1.0);
     trip_end(&t);
 }
 
@@ -218,10 +123,8 @@ static void orientation(void **state)
         kn_patch *patch = trip_add(&t, 3, 2, i >= 2);
         patch->reversed = i % 2 == 1;
     }
-    trip_write(&t, NULL, 4);
-    trip_read(&t);
-    expect_valid(&t);
-    expect_points(&t, 1.0);
+    trip_through(&t, NULL, 4);
+    trip_expect_points(&t, 1.0);
     for (int i = 0; i < 4; i++) { // the patches are nearly flat: r x t points up
         double point[3], normal[3];
         assert_int_equal(kn_occt_eval(t.ctx, point, normal, t.model, i, 0.5, 0.5), KN_OK);
@@ -241,16 +144,13 @@ static void parts_names_units(void **state)
         patch->id.part = patch->look = i % 2 == 0 ? 0 : 2; // part 1 has no patch
         patch->id.piece = i == 5 ? 3 : 0;
     }
-    trip_write(&t, &(kn_step_options){.product = "Teapot's \\ \xc3\xa9", .unit_mm = 25.4}, 4);
-    trip_read(&t);
-    expect_valid(&t);
-    assert_true(t.report.unit_mm == 1.0); // whatever the model's own unit is, millimetres are written
+    trip_through(&t, &(kn_step_options){.product = "Teapot's \\ \xc3\xa9", .unit_mm = 25.4}, 4);
     char name[128];
     assert_int_equal(kn_occt_face_name(t.ctx, name, sizeof name, t.model, 1), KN_OK);
     assert_string_equal(name, "s2 c1,7 it's 12");
     assert_int_equal(kn_occt_face_name(t.ctx, name, sizeof name, t.model, 5), KN_OK);
     assert_string_equal(name, "s2 c5,7 it's 12.3");
-    expect_points(&t, 25.4);
+    trip_expect_points(&t, 25.4);
 
     // four digits of sRGB, back to linear: at most 5e-5 times the steepest slope (3.3) of the inverse, and OCCT
     // keeps colours in single precision
@@ -277,8 +177,7 @@ static void failures(void **state)
     assert_null(t.model);
     kn_ctx_clear_error(t.ctx);
     trip_add(&t, 1, 1, false);
-    trip_write(&t, NULL, 1);
-    trip_read(&t);
+    trip_through(&t, NULL, 1);
     assert_int_equal(kn_occt_eval(t.ctx, point, NULL, t.model, 1, 0.0, 0.0), KN_EDOMAIN);
     assert_int_equal(kn_occt_eval(t.ctx, point, NULL, t.model, -1, 0.0, 0.0), KN_EDOMAIN);
     assert_int_equal(kn_occt_face_name(t.ctx, name, sizeof name, t.model, 1), KN_EDOMAIN);
@@ -292,31 +191,12 @@ static void trimmed_faces(void **state)
     (void)state;
     enum { CUTS = 6 };
     trip t;
-    kn_trim side[2 * CUTS] = {0}, whole = {0};
+    kn_trim side[2 * CUTS] = {0};
     trip_start(&t, "trimmed.step", 1);
-    for (int k = 0; k < CUTS; k++) {
-        kn_bezier f = {0};
-        kn_trim_cut_report report;
-        assert_int_equal(kn_bezier_init(t.ctx, &f, 2, 1, false, (int[]){2, 2}), KN_OK);
-        // a circle, or a line that bends from one edge to the opposite one
-        static const double square[3] = {0.25, -0.25, 0.25}, bent[3] = {-0.4, 0.1, 0.45};
-        for (int i = 0; i < 9; i++)
-            f.coef[i] = k == 0 ? square[i / 3] + square[i % 3] - 0.1
-                               : bent[i / 3] + test_uniform(&t.rng, -0.08, 0.08);
-        assert_int_equal(kn_trim_cut(t.ctx, &side[2 * k], &side[2 * k + 1], &report, &whole, &f, 1e-3), KN_OK);
-        assert_true(report.below && report.above);
-        for (int i = 0; i < 2; i++) {
-            kn_patch *patch = trip_add(&t, 2 + k, 3, k % 2 == 1);
-            patch->trim = &side[2 * k + i];
-            patch->reversed = k == 3;
-        }
-        kn_bezier_clear(t.ctx, &f);
-    }
+    trip_add_cuts(&t, side, CUTS);
     trip_add(&t, 3, 3, false);
-    trip_write(&t, NULL, 3);
-    trip_read(&t);
-    expect_valid(&t);
-    expect_points(&t, 1.0);
+    trip_through(&t, NULL, 3);
+    trip_expect_points(&t, 1.0);
     // curves in space are cubics through the trim's points, with the surface's derivatives there: far nearer than this
     assert_true(t.report.max_tolerance < 1e-3);
     for (int k = 0; k < 2 * CUTS; k++) kn_trim_clear(t.ctx, &side[k]);
