@@ -164,7 +164,8 @@ void cli_job_end(cli_session *session, cli_job *job)
 {
     for (int f = 0; f < CLI_FIELDS; f++) kn_spline_clear(cli_ctx(session), &job->field[f].spline);
     kn_free(cli_ctx(session), job->chosen);
-    job->chosen = NULL;
+    cli_face_colors_free(cli_ctx(session), job->face_colors);
+    job->chosen = NULL, job->face_colors = NULL;
     cli_scalar_end(session, &job->mask);
     cli_scalar_end(session, &job->color.field);
     for (int i = 0; i < job->nvary; i++) cli_scalar_end(session, &job->vary[i].value);

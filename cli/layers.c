@@ -37,7 +37,12 @@ int cli_inputs_begin(cli_session *session, cli_inputs *inputs, cli_recipe *recip
         if (code == EXIT_OK) code = cli_job_begin(session, &recipe->layer[i]);
     }
     if (code == EXIT_OK) code = cli_read_base(session, &inputs->base, recipe->layer[0].base, true);
-    return code == EXIT_OK ? cli_choose_faces(session, recipe->layer, recipe->nlayers, &inputs->base) : code;
+    if (code == EXIT_OK) code = cli_choose_faces(session, recipe->layer, recipe->nlayers, &inputs->base);
+    for (int i = 0; i < recipe->nlayers && code == EXIT_OK; i++) {
+        kn_status status = cli_take_face_colors(cli_ctx(session), &recipe->layer[i], &inputs->tile[i], &inputs->base);
+        if (status != KN_OK) code = cli_fail(session, status, false);
+    }
+    return code;
 }
 
 void cli_inputs_end(cli_session *session, cli_inputs *inputs, cli_recipe *recipe)

@@ -204,6 +204,7 @@ static kn_status mesh_tile(kn_ctx *ctx, kn_tile *out, const char *path, const do
     snprintf(tile.about, sizeof tile.about, "from %.100s", path);
     memcpy(tile.parts[0].name, name, sizeof name);
     tile.parts[0].material = (kn_material){{0.6, 0.6, 0.6}, 0.0, 0.4};
+    tile.parts[0].plain = true;
     status = read_part(ctx, NULL, &tile.parts[0], path);
     if (status == KN_OK) status = kn_tile_set_cell(ctx, &tile, cell ? cell : unit, 1);
     if (status == KN_OK) status = kn_tile_check(ctx, &tile);

@@ -34,6 +34,7 @@ kn_status kn_read_tile(kn_ctx *ctx, kn_tile *out, const char *path, const double
         snprintf(tile.about, sizeof tile.about, "from %.100s", path);
         memcpy(part->name, name, sizeof name);
         part->material = (kn_material){{0.6, 0.6, 0.6}, 0.0, 0.4};
+        part->plain = true;
         part->splines = model.splines;
         part->nsplines = model.nsplines;
         part->mesh = model.mesh;

@@ -52,6 +52,7 @@ static kn_status copy_part(kn_ctx *ctx, kn_tile_part *to, const kn_tile_part *fr
     kn_status status = KN_OK;
     memcpy(to->name, from->name, sizeof to->name);
     to->material = from->material;
+    to->plain = from->plain;
     if (from->nsplines > 0) {
         to->splines = kn_tile_copy_splines(ctx, from->splines, from->nsplines);
         if (!to->splines) return KN_ENOMEM;

@@ -102,6 +102,7 @@ kn_status kn_tile_morph(kn_ctx *ctx, kn_tile *out, const kn_tile *a, const kn_ti
     for (int p = 0; status == KN_OK && p < a->nparts; p++) {
         (void)snprintf(made.parts[p].name, sizeof made.parts[p].name, "%s", a->parts[p].name);
         made.parts[p].material = a->parts[p].material;
+        made.parts[p].plain = a->parts[p].plain;
         status = morph_splines(ctx, &made, p, a, b);
         if (status == KN_OK) status = morph_meshes(ctx, &made, p, a, b);
     }

@@ -145,6 +145,7 @@ static kn_status get_part(reader *r, kn_tile_part *part, json_t *object)
     json_t *value, *file = json_object_get(object, "file");
     kn_status status = KN_OK;
     part->material = (kn_material){{0.6, 0.6, 0.6}, 0.0, 0.4};
+    part->plain = !json_object_get(object, "material");
     json_object_foreach(object, key, value)
     {
         if (strcmp(key, "name") == 0)

@@ -33,6 +33,7 @@ typedef struct kn_tile_part {
     // NULL: no parameter changes the part.
     kn_spline *targets;
     double **mesh_targets;
+    bool plain; // nobody chose its material: a program may take another one
 } kn_tile_part;
 
 // A number by which a tile can be varied (a blend shape): control points are P + sum over parameters of

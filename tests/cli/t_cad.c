@@ -348,6 +348,53 @@ static void a_box_is_a_tile(void **state)
     remove(flat);
 }
 
+// How many faces have this colour in a STEP file that is made of the knob with these options.
+static int colored(const char *options, const char *color)
+{
+    char step[PATH_BYTES];
+    int n = 0;
+    test_tmp_path(step, "colored.step");
+    if (run("apply '%s' --no-join --trimmed keep --height 0.5 --body none -q %s -o '%s'", knob, options, step) != 0)
+        fail_msg("%s: %s", options, complained);
+    assert_int_equal(run("info '%s' --json", step), 0);
+    json_t *root = printed_json();
+    const json_t *faces = json_object_get(root, "faces");
+    for (size_t i = 0; i < json_array_size(faces); i++) {
+        const char *own = json_string_value(json_object_get(json_array_get(faces, i), "color"));
+        n += own && strcmp(own, color) == 0;
+    }
+    json_decref(root);
+    remove(step);
+    return n;
+}
+
+// A tile that has a colour keeps it; one of which nobody said any takes that of the face below.
+static void faces_keep_their_colors(void **state)
+{
+    (void)state;
+    char plain[PATH_BYTES], red[PATH_BYTES], options[4 * PATH_BYTES];
+    test_tmp_path(plain, "plain.g2"), test_tmp_path(red, "red.json");
+    write_text(plain, "200 1 0 0\n3 0\n2 2\n0 0 1 1\n2 2\n0 0 1 1\n0 0 0.5\n1 0 0.5\n0 1 0.5\n1 1 0.5\n");
+    snprintf(options, sizeof options, "--faces name:grip --tile '%s' --count 4,1", plain);
+    assert_int_equal(colored(options, "#595959"), 4);
+    snprintf(options, sizeof options, "--faces 0,1,3 --tile '%s' --count 4,4", plain); // a plane, a torus, the grip
+    assert_int_equal(colored(options, "#cbcbd3"), 16);
+    assert_int_equal(colored(options, "#e75959"), 16);
+    assert_int_equal(colored(options, "#595959"), 16);
+    snprintf(options, sizeof options, "--faces 0,1,3 --tile '%s' --count 4,4 --color 0 --palette 00ff00", plain);
+    assert_int_equal(colored(options, "#00ff00"), 48);
+    assert_int_equal(colored("--faces name:grip --tile straight --count 4,1", "#595959"), 0);
+    char *name = strrchr(plain, '/') + 1, text[2 * PATH_BYTES];
+    snprintf(text, sizeof text,
+             "{\"format\": 1, \"kind\": \"tile\", \"name\": \"red\", \"parts\": [{\"name\": \"a\", \"file\": \"%s\", "
+             "\"material\": {\"color\": [1, 0, 0]}}]}",
+             name);
+    write_text(red, text);
+    snprintf(options, sizeof options, "--faces name:grip --tile '%s' --count 4,1", red);
+    assert_int_equal(colored(options, "#ff0000"), 4);
+    remove(plain), remove(red);
+}
+
 // A circle needs weights, which a tile cannot have.
 static void weights_are_no_tile(void **state)
 {
@@ -398,7 +445,8 @@ int main(void)
         cmocka_unit_test(faces_are_chosen),    cmocka_unit_test(faces_are_not_there),
         cmocka_unit_test(broken_files),        cmocka_unit_test(no_reader),
         cmocka_unit_test(compressed_files),    cmocka_unit_test(a_box_is_a_tile),
-        cmocka_unit_test(weights_are_no_tile), cmocka_unit_test(other_programs),
+        cmocka_unit_test(weights_are_no_tile), cmocka_unit_test(faces_keep_their_colors),
+        cmocka_unit_test(other_programs),
     };
     return cmocka_run_group_tests_name("cli/cad", tests, NULL, NULL);
 }
