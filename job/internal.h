@@ -167,7 +167,7 @@ struct kn_job {
     kn_job_surface *surfaces;
     int nsurfaces;
     kn_job_term *terms;             // of the surfaces
-    struct kn_job_meeting *meeting; // NULL: patches that interpolate have max_degree
+    struct kn_job_meeting *meeting; // NULL: no patches interpolate
     double meeting_height;          // of the tile, in the largest thickness: what their errors are relative to
     struct kn_job_borders *borders; // of trims; NULL: nothing is trimmed
     struct kn_job_varying *varying; // NULL: tiles are the same everywhere
@@ -410,6 +410,7 @@ typedef struct kn_job_cell_plan {
     bool there; // kn_job_has_cell
     kn_job_leaf *leaves;
     int count, room;
+    int asked;                    // patches of tiles, up to now
     kn_job_patches own;           // patches of instances that are not plain
     kn_job_pieces pieces;         // what the leaves are composed with
     bool shared;                  // all leaves are of job->patches and without trims, meshes and shifts
@@ -427,22 +428,21 @@ void kn_job_leaf_degree(const kn_job_leaf *leaf, int degree[KN_JOB_VARS]);
 kn_status kn_job_leaf_source(kn_ctx *ctx, kn_bezier *out, const kn_job_cell_plan *plan, const kn_job_leaf *leaf);
 
 // ---- meet_degrees.c ----
-// job->meeting: the degrees of patches that interpolate, where tiles are the same everywhere.
+// job->meeting: the degrees of patches that interpolate.
 kn_status kn_job_find_meeting_degrees(kn_ctx *ctx, kn_job *job);
-void kn_job_meeting_free(kn_ctx *ctx, struct kn_job_meeting *m);
+void kn_job_meeting_free(kn_ctx *ctx, kn_job *job);
 // Whether patches in the cell there interpolate, if they can: it is one of the surface's own.
-bool kn_job_may_meet(const kn_job *job, const kn_job_place *place);
-// While cells are planned to find them: then a patch in the cell at `place` is noted, and nothing is planned.
+bool kn_job_may_meet(const kn_job_cell_plan *plan, const kn_job_place *place);
+// While cells are planned to find them: then each patch is noted, and nothing is planned.
 bool kn_job_notes_meeting(const kn_job *job);
-kn_status kn_job_note_meeting(kn_ctx *ctx, const kn_job *job, int patch, const kn_job_place *place,
-                              const kn_job_rect *rect);
-// Of a patch in the cell at `place`, one of the surface's own.
-void kn_job_meeting_degree(int degree[2], const kn_job *job, const kn_job_place *place, int patch);
-
-// What the plan found, for the run, which need not look again; unknown where tiles differ from cell to cell.
+kn_status kn_job_note_meeting(kn_ctx *ctx, const kn_job_cell_plan *plan, const kn_job_leaf *leaf,
+                              const kn_job_place *place, bool can);
+// Of the patch of this number (kn_job_cell_plan.asked) in the plan of its cell.
+void kn_job_meeting_degree(int degree[2], const kn_job_cell_plan *plan, int number);
+// What the plan found, for the run, which need not look again.
 typedef enum kn_job_meeting_fate { KN_JOB_UNKNOWN, KN_JOB_MEETS, KN_JOB_STAYS } kn_job_meeting_fate;
-kn_job_meeting_fate kn_job_fate_of(const kn_job *job, const kn_job_place *place, int patch);
-void kn_job_set_fate(const kn_job *job, const kn_job_place *place, int patch, kn_job_meeting_fate fate);
+kn_job_meeting_fate kn_job_fate_of(const kn_job_cell_plan *plan, int number);
+void kn_job_set_fate(const kn_job_cell_plan *plan, int number, kn_job_meeting_fate fate);
 
 // ---- meet.c ----
 // *out = job->meeting_height, by the thickness at corners of cells that interpolate.
@@ -451,10 +451,10 @@ kn_status kn_job_meeting_scale(kn_ctx *ctx, double *out, const kn_job *job);
 // scratch memory. fails: KN_EUNDEFINED no normal; KN_ENOMEM.
 kn_status kn_job_sample(kn_ctx *ctx, double *at, const kn_job *job, const kn_job_place *place, const kn_bezier *d,
                         const int degree[2]);
-// Appends one leaf that interpolates T(D), of a patch in the cell at `place`, one of the surface's own; *met: it is
-// near enough, else there is none.
+// Appends one leaf that interpolates T(D), of the patch of this number, in the cell at `place`; *met: it is near enough,
+// else there is none.
 kn_status kn_job_meet(kn_ctx *ctx, bool *met, kn_job_cell_plan *plan, const kn_job_leaf *leaf,
-                      const kn_job_place *place);
+                      const kn_job_place *place, int number);
 
 // ---- plan_cell.c ----
 typedef struct kn_job_instance kn_job_instance;

@@ -30,7 +30,7 @@ void kn_job_destroy(kn_ctx *ctx, kn_job *job)
     kn_free(ctx, job->surfaces);
     kn_free(ctx, job->terms);
     kn_free(ctx, job->least);
-    kn_job_meeting_free(ctx, job->meeting);
+    kn_job_meeting_free(ctx, job);
     kn_free(ctx, job->variants);
     kn_free(ctx, job->keys.list);
     kn_free(ctx, job->keys.uses);

@@ -422,7 +422,7 @@ static kn_status add_made(kn_ctx *ctx, kn_job_cell_plan *plan, const kn_job_leaf
 }
 
 kn_status kn_job_meet(kn_ctx *ctx, bool *met, kn_job_cell_plan *plan, const kn_job_leaf *leaf,
-                      const kn_job_place *place)
+                      const kn_job_place *place, int number)
 {
     static const double zero[2] = {0.0, 0.0}, one[2] = {1.0, 1.0};
     const kn_job *job = plan->job;
@@ -430,12 +430,12 @@ kn_status kn_job_meet(kn_ctx *ctx, bool *met, kn_job_cell_plan *plan, const kn_j
     kn_bezier q = {0}, d = {0};
     bounding b = {job, place, &q, aim, 4.0 * aim, kn_job_leaf_patch(plan, leaf)->top, 0.0, plan->normal};
     int degree[2];
-    kn_job_meeting_fate fate = kn_job_fate_of(job, place, leaf->key.patch);
+    kn_job_meeting_fate fate = kn_job_fate_of(plan, number);
     *met = false;
     if (fate == KN_JOB_STAYS) return KN_OK;
     kn_mark mark = kn_scratch_mark(ctx);
     kn_status status = kn_job_restrict(ctx, &d, kn_job_leaf_patch(plan, leaf), leaf->key.rect, place->turn);
-    kn_job_meeting_degree(degree, job, place, leaf->key.patch);
+    kn_job_meeting_degree(degree, plan, number);
     if (status == KN_OK) status = interpolate(ctx, &q, job, place, &d, degree);
     if (status == KN_OK && (fate != KN_JOB_MEETS || plan->pieces.outline))
         status = bound_parts(ctx, &b, &d, zero, one, 0);
@@ -443,7 +443,7 @@ kn_status kn_job_meet(kn_ctx *ctx, bool *met, kn_job_cell_plan *plan, const kn_j
         kn_ctx_clear_error(ctx);
         status = KN_OK, b.off = INFINITY;
     }
-    if (status == KN_OK) kn_job_set_fate(job, place, leaf->key.patch, b.off < INFINITY ? KN_JOB_MEETS : KN_JOB_STAYS);
+    if (status == KN_OK) kn_job_set_fate(plan, number, b.off < INFINITY ? KN_JOB_MEETS : KN_JOB_STAYS);
     if (status == KN_OK && b.off < INFINITY) {
         *met = true;
         plan->normal = b.normal;

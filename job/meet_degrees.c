@@ -17,30 +17,49 @@ enum {
     HIGHEST = 32, // Bernstein coefficients may be 2^degree times as large as the part of that degree
 };
 
-// What a patch in its cell needs along r and t, on which borders of the cell (bits) edges along r and t lie, and a
-// number for each edge that is the same for edges with the same control points: those along r, then those along t.
+// What a patch needs along r and t (0: it does not interpolate), in which cell it lies and on which of its borders
+// (bits) edges along r and t do, and a number for each edge that is the same for edges with the same control points:
+// those along r, then those along t.
 typedef struct note {
     uint8_t need[2], borders[2];
+    int surface, cell[2];
     uint64_t edge[4];
 } note;
 
+// Notes of the patches of one cell, in the order in which it is planned.
+typedef struct notes {
+    note *list;
+    size_t count, room;
+} notes;
+
 struct kn_job_meeting {
     bool noting;   // else degrees are known
-    size_t *first; // of each surface's patches: cell by cell, v fastest, in each as job->patches
-    note *notes;
-    size_t count;
+    size_t *cells; // before each surface's first one: of surfaces whose patches interpolate; and of all
+    notes *of;     // each of these cells, while noting
+    size_t *first; // patches before each of them, and of all
+    size_t count;  // of all
     uint8_t (*degree)[2];
     uint8_t *fate; // kn_job_meeting_fate of each
 };
 
-void kn_job_meeting_free(kn_ctx *ctx, struct kn_job_meeting *m)
+static void free_notes(kn_ctx *ctx, const kn_job *job, struct kn_job_meeting *m)
 {
+    for (size_t i = 0; m->of && i < m->cells[job->nsurfaces]; i++) kn_free(ctx, m->of[i].list);
+    kn_free(ctx, m->of);
+    m->of = NULL;
+}
+
+void kn_job_meeting_free(kn_ctx *ctx, kn_job *job)
+{
+    struct kn_job_meeting *m = job->meeting;
     if (!m) return;
+    free_notes(ctx, job, m);
+    kn_free(ctx, m->cells);
     kn_free(ctx, m->first);
-    kn_free(ctx, m->notes);
     kn_free(ctx, m->degree);
     kn_free(ctx, m->fate);
     kn_free(ctx, m);
+    job->meeting = NULL;
 }
 
 bool kn_job_notes_meeting(const kn_job *job)
@@ -48,18 +67,22 @@ bool kn_job_notes_meeting(const kn_job *job)
     return job->meeting && job->meeting->noting;
 }
 
-bool kn_job_may_meet(const kn_job *job, const kn_job_place *place)
+bool kn_job_may_meet(const kn_job_cell_plan *plan, const kn_job_place *place)
 {
-    const kn_job_surface *s = &job->surfaces[place->surface];
-    return s->meets && place->cell[0] >= 0 && place->cell[0] < s->cells[0] && place->cell[1] >= 0 &&
-           place->cell[1] < s->cells[1];
+    const kn_job_surface *s = &plan->job->surfaces[place->surface];
+    return s->meets && plan->job->surfaces[plan->surface].meets && place->cell[0] >= 0 &&
+           place->cell[0] < s->cells[0] && place->cell[1] >= 0 && place->cell[1] < s->cells[1];
 }
 
-static size_t slot_of(const kn_job *job, const kn_job_place *place, int patch)
+static size_t cell_number(const kn_job *job, int surface, const int cell[2])
 {
-    size_t columns = (size_t)job->surfaces[place->surface].cells[1];
-    size_t cell = (size_t)place->cell[0] * columns + (size_t)place->cell[1];
-    return job->meeting->first[place->surface] + cell * (size_t)job->npatches + (size_t)patch;
+    size_t columns = (size_t)job->surfaces[surface].cells[1];
+    return job->meeting->cells[surface] + (size_t)cell[0] * columns + (size_t)cell[1];
+}
+
+static size_t slot_of(const kn_job_cell_plan *plan, int number)
+{
+    return plan->job->meeting->first[cell_number(plan->job, plan->surface, plan->cell)] + (size_t)number;
 }
 
 static int highest(const kn_job *job)
@@ -67,21 +90,21 @@ static int highest(const kn_job *job)
     return job->options.max_degree < HIGHEST ? job->options.max_degree : HIGHEST;
 }
 
-void kn_job_meeting_degree(int degree[2], const kn_job *job, const kn_job_place *place, int patch)
+void kn_job_meeting_degree(int degree[2], const kn_job_cell_plan *plan, int number)
 {
-    const struct kn_job_meeting *m = job->meeting;
-    for (int v = 0; v < 2; v++) degree[v] = m ? m->degree[slot_of(job, place, patch)][v] : highest(job);
+    const struct kn_job_meeting *m = plan->job->meeting;
+    for (int v = 0; v < 2; v++) degree[v] = m->degree[slot_of(plan, number)][v];
 }
 
-kn_job_meeting_fate kn_job_fate_of(const kn_job *job, const kn_job_place *place, int patch)
+kn_job_meeting_fate kn_job_fate_of(const kn_job_cell_plan *plan, int number)
 {
-    return job->meeting ? (kn_job_meeting_fate)job->meeting->fate[slot_of(job, place, patch)] : KN_JOB_UNKNOWN;
+    return (kn_job_meeting_fate)plan->job->meeting->fate[slot_of(plan, number)];
 }
 
-void kn_job_set_fate(const kn_job *job, const kn_job_place *place, int patch, kn_job_meeting_fate fate)
+void kn_job_set_fate(const kn_job_cell_plan *plan, int number, kn_job_meeting_fate fate)
 {
-    uint8_t *known = job->meeting ? &job->meeting->fate[slot_of(job, place, patch)] : NULL;
-    if (known && *known == KN_JOB_UNKNOWN) *known = (uint8_t)fate; // threads that run only read it
+    uint8_t *known = &plan->job->meeting->fate[slot_of(plan, number)];
+    if (*known == KN_JOB_UNKNOWN) *known = (uint8_t)fate; // threads that run only read it
 }
 
 // ---- notes ----
@@ -152,13 +175,13 @@ static kn_status find_need(kn_ctx *ctx, int need[2], const kn_job *job, const kn
     return status;
 }
 
-kn_status kn_job_note_meeting(kn_ctx *ctx, const kn_job *job, int patch, const kn_job_place *place,
-                              const kn_job_rect *rect)
+static kn_status note_patch(kn_ctx *ctx, note *to, const kn_job_cell_plan *plan, const kn_job_leaf *leaf,
+                            const kn_job_place *place)
 {
-    note *to = &job->meeting->notes[slot_of(job, place, patch)];
+    const kn_job *job = plan->job;
     int most = highest(job), p = most < EASY ? most : EASY, need[2] = {1, 1};
     kn_bezier d = {0};
-    kn_status status = kn_job_restrict(ctx, &d, &job->patches[patch], *rect, place->turn);
+    kn_status status = kn_job_restrict(ctx, &d, kn_job_leaf_patch(plan, leaf), leaf->key.rect, place->turn);
     if (status == KN_OK) status = find_need(ctx, need, job, place, &d, p);
     if (status == KN_OK && p < most && (need[0] >= p - 1 || need[1] >= p - 1)) // aliases, perhaps
         status = find_need(ctx, need, job, place, &d, most);
@@ -166,12 +189,24 @@ kn_status kn_job_note_meeting(kn_ctx *ctx, const kn_job *job, int patch, const k
         kn_ctx_clear_error(ctx);
         status = KN_OK;
     }
+    to->surface = place->surface, to->cell[0] = place->cell[0], to->cell[1] = place->cell[1];
     for (int v = 0; v < 2 && status == KN_OK; v++) {
         to->need[v] = (uint8_t)need[v];
         for (int end = 0; end < 2; end++) note_edge(to, &d, v, end);
     }
     kn_bezier_clear(ctx, &d);
     return status;
+}
+
+kn_status kn_job_note_meeting(kn_ctx *ctx, const kn_job_cell_plan *plan, const kn_job_leaf *leaf,
+                              const kn_job_place *place, bool can)
+{
+    notes *of = &plan->job->meeting->of[cell_number(plan->job, plan->surface, plan->cell)];
+    kn_status status = kn_make_room(ctx, (void **)&of->list, &of->room, of->count + 1, sizeof *of->list);
+    if (status != KN_OK) return status;
+    note *to = &of->list[of->count++];
+    *to = (note){.need = {0, 0}};
+    return can ? note_patch(ctx, to, plan, leaf, place) : KN_OK;
 }
 
 static kn_status note_cell(kn_ctx *ctx, void *user, size_t index)
@@ -192,14 +227,11 @@ static kn_status note_cell(kn_ctx *ctx, void *user, size_t index)
 // Nodes: two of each patch (along r, along t), then four of each cell: what lies along its borders.
 static int border_node(const kn_job *job, int surface, int i, int j, int border)
 {
-    const struct kn_job_meeting *m = job->meeting;
-    size_t cell = m->first[surface] / (size_t)job->npatches + (size_t)i * (size_t)job->surfaces[surface].cells[1] +
-                  (size_t)j;
-    return (int)(2 * m->count + 4 * cell) + border;
+    return (int)(2 * job->meeting->count + 4 * cell_number(job, surface, (const int[2]){i, j})) + border;
 }
 
 typedef struct edge {
-    uint64_t number;
+    uint64_t number; // of the cell, too
     int node;
 } edge;
 
@@ -209,24 +241,28 @@ static int compare(const void *a, const void *b)
     return x->number != y->number ? (x->number < y->number ? -1 : 1) : x->node - y->node;
 }
 
-// Of one cell; edges: room for four of each patch.
-static void unite_inside(const kn_job *job, int *parent, edge *edges, int surface, int i, int j)
+// Of patches in one cell, wherever they were planned; edges: room for four of each patch.
+static void unite_inside(const kn_job *job, int *parent, edge *edges)
 {
-    const kn_job_place place = {.surface = surface, .cell = {i, j}};
-    int n = 0;
-    for (int k = 0; k < job->npatches; k++) {
-        size_t slot = slot_of(job, &place, k);
-        const note *from = &job->meeting->notes[slot];
-        if (from->need[0] == 0) continue;
-        for (int v = 0; v < 2; v++) {
-            int node = (int)(2 * slot) + v;
-            for (int end = 0; end < 2; end++) edges[n++] = (edge){from->edge[2 * v + end], node};
-            for (int b = 0; b < 4; b++)
-                if (from->borders[v] >> b & 1) kn_class_unite(parent, node, border_node(job, surface, i, j, b));
+    const struct kn_job_meeting *m = job->meeting;
+    size_t n = 0, slot = 0;
+    for (size_t i = 0; i < m->cells[job->nsurfaces]; i++)
+        for (size_t k = 0; k < m->of[i].count; k++, slot++) {
+            const note *from = &m->of[i].list[k];
+            if (from->need[0] == 0) continue;
+            uint64_t cell = cell_number(job, from->surface, from->cell);
+            for (int v = 0; v < 2; v++) {
+                int node = (int)(2 * slot) + v;
+                for (int end = 0; end < 2; end++)
+                    edges[n++] = (edge){kn_hash_add(from->edge[2 * v + end], cell), node};
+                for (int b = 0; b < 4; b++)
+                    if (from->borders[v] >> b & 1)
+                        kn_class_unite(parent, node,
+                                       border_node(job, from->surface, from->cell[0], from->cell[1], b));
+            }
         }
-    }
-    qsort(edges, (size_t)n, sizeof *edges, compare);
-    for (int k = 1; k < n; k++)
+    qsort(edges, n, sizeof *edges, compare);
+    for (size_t k = 1; k < n; k++)
         if (edges[k].number == edges[k - 1].number) kn_class_unite(parent, edges[k].node, edges[k - 1].node);
 }
 
@@ -261,32 +297,45 @@ static void unite_borders(const kn_job *job, int *parent, int surface)
     }
 }
 
+// The degree of each patch: the largest need of all that have to share it.
+static void take_degrees(const kn_job *job, int *parent, uint8_t *most)
+{
+    struct kn_job_meeting *m = job->meeting;
+    size_t ncells = m->cells[job->nsurfaces], slot = 0;
+    for (size_t i = 0; i < ncells; i++)
+        for (size_t k = 0; k < 2 * m->of[i].count; k++, slot++) {
+            int root = kn_class_root(parent, (int)slot);
+            uint8_t need = m->of[i].list[k / 2].need[k % 2];
+            if (need > most[root]) most[root] = need;
+        }
+    for (slot = 0; slot < 2 * m->count; slot++) {
+        uint8_t found = most[kn_class_root(parent, (int)slot)];
+        m->degree[slot / 2][slot % 2] = found > 0 ? found : (uint8_t)highest(job);
+    }
+}
+
 static kn_status solve(kn_ctx *ctx, const kn_job *job)
 {
     struct kn_job_meeting *m = job->meeting;
-    size_t nodes = 2 * m->count + 4 * (m->count / (size_t)job->npatches);
+    size_t ncells = m->cells[job->nsurfaces];
+    m->first = kn_alloc(ctx, ncells + 1, sizeof *m->first);
+    if (!m->first) return KN_ENOMEM;
+    for (size_t i = 0; i <= ncells; i++) {
+        m->first[i] = m->count;
+        if (i < ncells) m->count += m->of[i].count;
+    }
+    size_t nodes = 2 * m->count + 4 * ncells;
     int *parent = kn_alloc(ctx, nodes, sizeof *parent);
     uint8_t *most = kn_alloc_zero(ctx, nodes, sizeof *most);
-    edge *edges = kn_alloc(ctx, 4 * (size_t)job->npatches, sizeof *edges);
-    m->degree = kn_alloc_zero(ctx, m->count, sizeof *m->degree);
-    m->fate = kn_alloc_zero(ctx, m->count, sizeof *m->fate);
+    edge *edges = kn_alloc(ctx, 4 * m->count + 1, sizeof *edges);
+    m->degree = kn_alloc_zero(ctx, m->count + 1, sizeof *m->degree);
+    m->fate = kn_alloc_zero(ctx, m->count + 1, sizeof *m->fate);
     kn_status status = parent && most && edges && m->degree && m->fate ? KN_OK : KN_ENOMEM;
     for (size_t i = 0; i < nodes && status == KN_OK; i++) parent[i] = (int)i;
-    for (int s = 0; s < job->nsurfaces && status == KN_OK; s++) {
-        const kn_job_surface *on = &job->surfaces[s];
-        if (!on->meets) continue;
-        for (int i = 0; i < on->cells[0]; i++)
-            for (int j = 0; j < on->cells[1]; j++) unite_inside(job, parent, edges, s, i, j);
-        unite_borders(job, parent, s);
-    }
-    for (size_t i = 0; i < 2 * m->count && status == KN_OK; i++) {
-        int root = kn_class_root(parent, (int)i);
-        if (m->notes[i / 2].need[i % 2] > most[root]) most[root] = m->notes[i / 2].need[i % 2];
-    }
-    for (size_t i = 0; i < 2 * m->count && status == KN_OK; i++) {
-        uint8_t found = most[kn_class_root(parent, (int)i)];
-        m->degree[i / 2][i % 2] = found > 0 ? found : (uint8_t)highest(job);
-    }
+    if (status == KN_OK) unite_inside(job, parent, edges);
+    for (int s = 0; s < job->nsurfaces && status == KN_OK; s++)
+        if (job->surfaces[s].meets) unite_borders(job, parent, s);
+    if (status == KN_OK) take_degrees(job, parent, most);
     kn_free(ctx, parent);
     kn_free(ctx, most);
     kn_free(ctx, edges);
@@ -295,26 +344,21 @@ static kn_status solve(kn_ctx *ctx, const kn_job *job)
 
 kn_status kn_job_find_meeting_degrees(kn_ctx *ctx, kn_job *job)
 {
-    // tiles that differ from cell to cell keep the largest degree
-    if (job->varying || job->tiling || job->darts || job->nvariants > 1) return KN_OK;
+    size_t ncells = 0;
+    for (int s = 0; s < job->nsurfaces; s++)
+        if (job->surfaces[s].meets) ncells += (size_t)job->surfaces[s].cells[0] * (size_t)job->surfaces[s].cells[1];
+    if (ncells == 0) return KN_OK;
     struct kn_job_meeting *m = job->meeting = kn_alloc_zero(ctx, 1, sizeof *m);
-    if (!m || !(m->first = kn_alloc(ctx, (size_t)job->nsurfaces, sizeof *m->first))) return KN_ENOMEM;
+    if (!m || !(m->cells = kn_alloc_zero(ctx, (size_t)job->nsurfaces + 1, sizeof *m->cells))) return KN_ENOMEM;
     for (int s = 0; s < job->nsurfaces; s++) {
         const kn_job_surface *on = &job->surfaces[s];
-        m->first[s] = m->count;
-        if (on->meets) m->count += (size_t)on->cells[0] * (size_t)on->cells[1] * (size_t)job->npatches;
+        m->cells[s + 1] = m->cells[s] + (on->meets ? (size_t)on->cells[0] * (size_t)on->cells[1] : 0);
     }
-    if (m->count == 0) {
-        kn_job_meeting_free(ctx, m);
-        job->meeting = NULL;
-        return KN_OK;
-    }
-    if (!(m->notes = kn_alloc_zero(ctx, m->count, sizeof *m->notes))) return KN_ENOMEM;
+    if (!(m->of = kn_alloc_zero(ctx, ncells, sizeof *m->of))) return KN_ENOMEM;
     m->noting = true;
     kn_status status = kn_parallel(ctx, job->ncells, note_cell, job, "degrees");
     m->noting = false;
     if (status == KN_OK) status = solve(ctx, job);
-    kn_free(ctx, m->notes);
-    m->notes = NULL;
+    free_notes(ctx, job, m);
     return status;
 }

@@ -253,11 +253,13 @@ static kn_status plan_patch(kn_ctx *ctx, kn_job_cell_plan *plan, int patch, bool
     kn_job_leaf leaf = {.key = {.patch = patch}, .own = own, .instance = instance, .piece = -1};
     const kn_job_patch *p = kn_job_leaf_patch(plan, &leaf);
     kn_job_place place = kn_job_find_place(plan->job, plan->surface, plan->cell, p->offset);
-    bool can = p->inside && !kn_job_clips_trims(plan->job) && kn_job_may_meet(plan->job, &place), met = false;
+    bool can = p->inside && !kn_job_clips_trims(plan->job) && kn_job_may_meet(plan, &place) &&
+               !kn_job_is_trimmed(plan, &leaf);
+    bool met = false;
+    int number = plan->asked++;
     leaf.key.turn = (uint8_t)place.turn;
-    if (kn_job_notes_meeting(plan->job))
-        return can ? kn_job_note_meeting(ctx, plan->job, patch, &place, &leaf.key.rect) : KN_OK;
-    kn_status status = can ? kn_job_meet(ctx, &met, plan, &leaf, &place) : KN_OK;
+    if (kn_job_notes_meeting(plan->job)) return kn_job_note_meeting(ctx, plan, &leaf, &place, can);
+    kn_status status = can ? kn_job_meet(ctx, &met, plan, &leaf, &place, number) : KN_OK;
     return status == KN_OK && !met ? plan_parts(ctx, plan, patch, own, instance) : status;
 }
 
