@@ -1,63 +1,38 @@
 // SPDX-License-Identifier: Apache-2.0
 // The text of IGES files: records, pointers and counts, bodies, limits, equal bytes for any number of threads.
 // What another CAD system makes of them: tests/bridges/t_occt_iges.c.
-#include "tests/support/patches.h"
+#include "tests/support/sink_world.h"
 #include <knurl/iges.h>
-
-#include "kernel/parallel.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-enum { PATCHES = 12, LINE = 81 };
+enum { LINE = 81 };
 
-typedef struct world {
-    test_memory memory;
-    kn_ctx *ctx;
-    test_tile tile;
-    kn_patch patch[PATCHES];
-    kn_iges_options options;
-    size_t exact; // of the patches, as the report has it
-    char path[TEST_PATH_BYTES], parameters[TEST_PATH_BYTES];
-} world;
-
-static void world_make(world *w, int threads)
+static kn_status open_iges(kn_ctx *ctx, kn_sink *out, const char *path, const void *options)
 {
-    *w = (world){.memory = TEST_MEMORY_INIT};
-    w->ctx = test_ctx(&w->memory, threads);
-    test_rng rng = test_random(8);
-    test_tile_make(&w->tile, 2);
-    for (int i = 0; i < PATCHES; i++) {
-        test_patch(w->ctx, &w->patch[i], &rng, 1 + i % 4, 3, i % 5 == 4, i, 0.1);
-        w->patch[i].id = (kn_patch_id){.cell = {i, 2}, .part = i % 3 == 1, .patch = i};
-        w->patch[i].look = i % 3 == 1;
-    }
-    test_tmp_path(w->path, "out.igs");
-    snprintf(w->parameters, sizeof w->parameters, "%.480s.parameters.tmp-0", w->path);
+    return kn_iges_sink(ctx, out, path, options);
 }
 
-static void world_clear(world *w)
+static void world_make(sink_world *w)
 {
-    for (int i = 0; i < PATCHES; i++) kn_bezier_clear(w->ctx, &w->patch[i].bezier);
-    remove(w->path);
-    test_ctx_end(w->ctx, &w->memory);
+    sink_world_make(w, open_iges, "out.igs", 1);
 }
 
-static char *write_iges(world *w, const kn_iges_options *options, size_t n, size_t block)
+// The file that waits for the directory is not left there.
+static void expect_nothing_beside(const sink_world *w)
 {
-    kn_sink sink;
-    kn_job_report report = test_report(PATCHES, 4, 3);
-    report.exact_patches = w->exact;
-    assert_int_equal(kn_iges_sink(w->ctx, &sink, w->path, options), KN_OK);
-    assert_int_equal(test_feed(w->ctx, &sink, &w->tile.tile, &report, w->patch, n, block), KN_OK);
-    size_t bytes = 0;
-    char *text = test_read_file(w->path, &bytes);
-    assert_non_null(text);
-    assert_int_equal(sink.bytes(sink.user), bytes);
-    kn_sink_close(w->ctx, &sink);
-    assert_null(test_read_file(w->parameters, NULL)); // not left there
+    char parameters[TEST_PATH_BYTES];
+    snprintf(parameters, sizeof parameters, "%.480s.parameters.tmp-0", w->path);
+    assert_null(test_read_file(parameters, NULL));
+}
+
+static char *write_iges(sink_world *w, const kn_iges_options *options, size_t n, size_t block)
+{
+    char *text = sink_world_write(w, options, n, block);
+    expect_nothing_beside(w);
     return text;
 }
 
@@ -114,74 +89,74 @@ static counts expect_consistent(const char *text)
 static void structure(void **state)
 {
     (void)state;
-    world w;
-    world_make(&w, 1);
+    sink_world w;
+    world_make(&w);
     kn_iges_options options = {.product = "A \xc3\xa9", .uncertainty_mm = 0.02, .time_stamp = "2026-01-02T03:04:05"};
-    char *text = write_iges(&w, &options, PATCHES, 5);
+    char *text = write_iges(&w, &options, SINK_PATCHES, 5);
     counts n = expect_consistent(text);
     assert_non_null(strstr(text, "1H,,1H;,3HA _,3HA _,5Hknurl,"));
     assert_non_null(strstr(text, "1.,2,2HMM,1,0.,15H20260102.030405,0.02,")); // 0.02 mm, in millimetres
-    assert_int_equal(n.of[128], PATCHES);
-    assert_int_equal(n.of[510], PATCHES);
-    assert_int_equal(n.of[514], PATCHES); // nobody meets anybody
-    assert_int_equal(n.of[504], 4 * PATCHES);
-    assert_int_equal(n.of[126], 4 * PATCHES);
-    assert_int_equal(n.of[502], 4 * PATCHES);
-    assert_int_equal(n.of[406], PATCHES);
+    assert_int_equal(n.of[128], SINK_PATCHES);
+    assert_int_equal(n.of[510], SINK_PATCHES);
+    assert_int_equal(n.of[514], SINK_PATCHES); // nobody meets anybody
+    assert_int_equal(n.of[504], 4 * SINK_PATCHES);
+    assert_int_equal(n.of[126], 4 * SINK_PATCHES);
+    assert_int_equal(n.of[502], 4 * SINK_PATCHES);
+    assert_int_equal(n.of[406], SINK_PATCHES);
     assert_int_equal(n.of[314], 2);
     assert_int_equal(n.of[186], 0);
     assert_non_null(strstr(text, "406,1,18Hs0 c7,2 wire rod 7;"));
     free(text);
     options = (kn_iges_options){.surfaces = true};
-    text = write_iges(&w, &options, PATCHES, 5);
+    text = write_iges(&w, &options, SINK_PATCHES, 5);
     n = expect_consistent(text);
-    assert_int_equal(n.directory, 2 * (2 * PATCHES + 2)); // surfaces, names, two colours
-    assert_int_equal(n.of[128], PATCHES);
+    assert_int_equal(n.directory, 2 * (2 * SINK_PATCHES + 2)); // surfaces, names, two colours
+    assert_int_equal(n.of[128], SINK_PATCHES);
     free(text);
     text = write_iges(&w, NULL, 0, 1);
     n = expect_consistent(text);
     assert_int_equal(n.directory, 0);
     free(text);
-    world_clear(&w);
+    sink_world_clear(&w);
 }
 
 // Faces by the names of their surfaces, with what is approximated marked; without a name there is no entity for it.
 static void names(void **state)
 {
     (void)state;
-    world w;
+    sink_world w;
     static const char *const surfaces[2] = {"caf\xc3\xa9", ""};
     kn_iges_options options = {.surface_names = surfaces, .nsurfaces = 2};
-    world_make(&w, 1);
+    world_make(&w);
     w.patch[5].id.surface = 1, w.patch[6].id.surface = 2;
     w.patch[7].id.piece = 3, w.patch[7].exact = false;
-    w.exact = PATCHES - 1;
+    w.report.exact_patches = SINK_PATCHES - 1;
     for (int k = 0; k < 2; k++) {
         options.surfaces = k == 1;
         options.plain_names = false;
-        char *text = write_iges(&w, &options, PATCHES, 5);
-        assert_int_equal(expect_consistent(text).of[406], PATCHES);
+        char *text = write_iges(&w, &options, SINK_PATCHES, 5);
+        assert_int_equal(expect_consistent(text).of[406], SINK_PATCHES);
         assert_non_null(strstr(text, "Hcaf_ c4,2 wire rod 4;"));
         assert_non_null(strstr(text, "Hs1 c5,2 link 5;"));
         assert_non_null(strstr(text, "Hs2 c6,2 link 6;"));
         assert_non_null(strstr(text, "Hcaf_ c7,2 wire rod 7.3 ~;"));
         free(text);
         options.plain_names = true;
-        text = write_iges(&w, &options, PATCHES, 5);
-        assert_int_equal(expect_consistent(text).of[406], PATCHES - 2);
+        text = write_iges(&w, &options, SINK_PATCHES, 5);
+        assert_int_equal(expect_consistent(text).of[406], SINK_PATCHES - 2);
         assert_non_null(strstr(text, "406,1,4Hcaf_;"));
         assert_non_null(strstr(text, "406,1,6Hcaf_ ~;"));
         free(text);
     }
-    world_clear(&w);
+    sink_world_clear(&w);
 }
 
 // The numbers of a surface, read back, are those of the patch: the first variable fastest.
 static void numbers(void **state)
 {
     (void)state;
-    world w;
-    world_make(&w, 1);
+    sink_world w;
+    world_make(&w);
     char *text = write_iges(&w, &(kn_iges_options){.surfaces = true}, 1, 1);
     const kn_bezier *b = &w.patch[0].bezier; // degrees 1 and 3
     b->coef[0] = 1e-30, b->coef[1] = -12345678901234567890.0;
@@ -212,11 +187,8 @@ static void numbers(void **state)
             for (int c = 0; c < 3; c++)
                 assert_true(found[12 + 8 + 3 * (2 * j + i) + c] == b->coef[8 * c + 4 * i + j]);
     free(text);
-    world_clear(&w);
+    sink_world_clear(&w);
 }
-
-// Corner k of a cube, bit by bit: r x t points out.
-static const int cube[6][4] = {{0, 1, 2, 3}, {4, 6, 5, 7}, {0, 4, 1, 5}, {2, 3, 6, 7}, {0, 2, 4, 6}, {1, 5, 3, 7}};
 
 // A cube in two looks: twelve edges, eight vertices, one solid; without its lid a shell; with a face that looks
 // inwards no solid either.
@@ -224,17 +196,10 @@ static void bodies(void **state)
 {
     (void)state;
     for (int lack = 0; lack < 3; lack++) {
-        world w;
-        world_make(&w, 1);
-        for (int f = 0; f < 6; f++) {
-            kn_bezier *b = &w.patch[f].bezier;
-            kn_bezier_clear(w.ctx, b);
-            assert_int_equal(kn_bezier_init(w.ctx, b, 2, 3, false, (int[]){1, 1}), KN_OK);
-            for (int k = 0; k < 4; k++)
-                for (int c = 0; c < 3; c++) b->coef[4 * c + k] = (cube[f][k] >> c & 1) ? 10.0 : 0.0;
-            w.patch[f].look = w.patch[f].id.part = f == 5;
-            w.patch[f].reversed = lack == 2 && f == 3;
-        }
+        sink_world w;
+        world_make(&w);
+        sink_world_cube(&w);
+        w.patch[3].reversed = lack == 2;
         char *text = write_iges(&w, NULL, lack == 1 ? 5 : 6, 2);
         counts n = expect_consistent(text);
         assert_int_equal(n.of[504], 12);
@@ -244,87 +209,37 @@ static void bodies(void **state)
         assert_int_equal(n.of[186], lack == 0);
         assert_int_equal(n.of[514], 1);
         free(text);
-        world_clear(&w);
+        sink_world_clear(&w);
     }
-}
-
-// ---- threads: the pipeline that jobs use ----
-typedef struct feed {
-    const kn_sink *sink;
-    const kn_patch *patches;
-} feed;
-
-static kn_status pipe_work(kn_ctx *worker, void *user, size_t index, void **product)
-{
-    feed *f = user;
-    kn_patch_block block = {index, 1, f->patches + index};
-    return f->sink->work(worker, f->sink->user, &block, product);
-}
-
-static kn_status pipe_commit(kn_ctx *ctx, void *user, size_t index, void *product)
-{
-    feed *f = user;
-    kn_patch_block block = {index, 1, f->patches + index};
-    return f->sink->commit(ctx, f->sink->user, &block, product);
-}
-
-static void pipe_drop(kn_ctx *ctx, void *user, void *product)
-{
-    feed *f = user;
-    f->sink->discard(ctx, f->sink->user, product);
 }
 
 static void equal_bytes(void **state)
 {
     (void)state;
-    world w;
-    world_make(&w, 1);
-    char *once = write_iges(&w, NULL, PATCHES, PATCHES), *in_blocks = write_iges(&w, NULL, PATCHES, 5);
-    assert_string_equal(once, in_blocks);
-    free(in_blocks);
-    world_clear(&w);
-    for (int threads = 1; threads <= 5; threads += 2) {
-        world_make(&w, threads);
-        kn_sink sink;
-        kn_job_report report = test_report(PATCHES, 4, 3);
-        assert_int_equal(kn_iges_sink(w.ctx, &sink, w.path, NULL), KN_OK);
-        assert_int_equal(sink.begin(w.ctx, sink.user, &w.tile.tile, &report), KN_OK);
-        feed f = {&sink, w.patch};
-        kn_pipeline pipeline = {&f, pipe_work, pipe_commit, pipe_drop};
-        assert_int_equal(kn_pipeline_run(w.ctx, &pipeline, PATCHES, 4, NULL), KN_OK);
-        assert_int_equal(sink.end(w.ctx, sink.user), KN_OK);
-        kn_sink_close(w.ctx, &sink);
-        char *text = test_read_file(w.path, NULL);
-        assert_non_null(text);
-        assert_string_equal(text, once);
-        free(text);
-        world_clear(&w);
-    }
-    free(once);
+    sink_world_equal_bytes(open_iges, "out.igs");
 }
 
 // Saved after some patches, closed, and gone on with by another sink: the same bytes.
 static void gone_on_with(void **state)
 {
     (void)state;
-    world w;
-    world_make(&w, 1);
-    char *once = write_iges(&w, NULL, PATCHES, PATCHES);
-    kn_job_report report = test_report(PATCHES, 4, 3);
-    for (size_t done = 0; done < PATCHES; done += 5) {
+    sink_world w;
+    world_make(&w);
+    char *once = write_iges(&w, NULL, SINK_PATCHES, SINK_PATCHES);
+    for (size_t done = 0; done < SINK_PATCHES; done += 5) {
         kn_sink sink;
         void *product = NULL;
         unsigned char *saved = NULL;
         size_t bytes = 0;
         assert_int_equal(kn_iges_sink(w.ctx, &sink, w.path, NULL), KN_OK);
-        assert_int_equal(sink.begin(w.ctx, sink.user, &w.tile.tile, &report), KN_OK);
-        kn_patch_block block = {0, done, w.patch}, rest = {done, PATCHES - done, w.patch + done};
+        assert_int_equal(sink.begin(w.ctx, sink.user, &w.tile.tile, &w.report), KN_OK);
+        kn_patch_block block = {0, done, w.patch}, rest = {done, SINK_PATCHES - done, w.patch + done};
         assert_int_equal(sink.work(w.ctx, sink.user, &block, &product), KN_OK);
         assert_int_equal(sink.commit(w.ctx, sink.user, &block, product), KN_OK);
         assert_int_equal(sink.save(w.ctx, sink.user, &saved, &bytes), KN_OK);
         kn_sink_close(w.ctx, &sink);
         assert_int_equal(kn_iges_sink(w.ctx, &sink, w.path, NULL), KN_OK);
-        assert_int_equal(sink.restore(w.ctx, sink.user, &w.tile.tile, &report, saved, bytes), KN_OK);
+        assert_int_equal(sink.restore(w.ctx, sink.user, &w.tile.tile, &w.report, saved, bytes), KN_OK);
         assert_int_equal(sink.work(w.ctx, sink.user, &rest, &product), KN_OK);
         assert_int_equal(sink.commit(w.ctx, sink.user, &rest, product), KN_OK);
         assert_int_equal(sink.end(w.ctx, sink.user), KN_OK);
@@ -332,57 +247,30 @@ static void gone_on_with(void **state)
         char *text = test_read_file(w.path, NULL);
         assert_non_null(text);
         assert_string_equal(text, once);
-        assert_null(test_read_file(w.parameters, NULL));
+        expect_nothing_beside(&w);
         assert_int_equal(kn_iges_sink(w.ctx, &sink, w.path, NULL), KN_OK); // half a state, and nothing to go on with
-        assert_int_not_equal(sink.restore(w.ctx, sink.user, &w.tile.tile, &report, saved, bytes / 2), KN_OK);
+        assert_int_not_equal(sink.restore(w.ctx, sink.user, &w.tile.tile, &w.report, saved, bytes / 2), KN_OK);
         kn_ctx_clear_error(w.ctx);
         kn_sink_close(w.ctx, &sink);
         kn_free(w.ctx, saved);
         free(text);
     }
     free(once);
-    world_clear(&w);
-}
-
-static void expect_refused(world *w, const kn_job_report *report, const kn_patch *patch, kn_status expected)
-{
-    kn_sink sink;
-    assert_int_equal(kn_iges_sink(w->ctx, &sink, w->path, NULL), KN_OK);
-    assert_int_equal(test_feed(w->ctx, &sink, &w->tile.tile, report, patch, 1, 1), expected);
-    assert_int_equal(kn_ctx_error(w->ctx), expected);
-    kn_ctx_clear_error(w->ctx);
-    kn_sink_close(w->ctx, &sink);
-    assert_null(test_read_file(w->path, NULL)); // nothing under that name
-    assert_null(test_read_file(w->parameters, NULL));
+    sink_world_clear(&w);
 }
 
 static void refusals(void **state)
 {
     (void)state;
-    world w;
-    world_make(&w, 1);
+    sink_world w;
+    world_make(&w);
     kn_sink sink;
-    kn_job_report report = test_report(1, 4, 3), small = test_report(1, 3, 3), none = test_report(0, 4, 3);
-    kn_patch *patch = &w.patch[3];
-    expect_refused(&w, &small, patch, KN_EDOMAIN); // degree 4 where 3 was announced
-    expect_refused(&w, &none, patch, KN_EDOMAIN);
-    patch->look = 2;
-    expect_refused(&w, &report, patch, KN_EDOMAIN);
-    patch->look = 0;
-    double good = patch->bezier.coef[5];
-    patch->bezier.coef[5] = NAN;
-    expect_refused(&w, &report, patch, KN_EUNDEFINED);
-    patch->bezier.coef[5] = good;
-    kn_bezier *rational = &w.patch[4].bezier;
-    rational->coef[3 * kn_bezier_count(rational)] = 0.0;
-    expect_refused(&w, &report, &w.patch[4], KN_EUNDEFINED);
-    kn_job_report huge = test_report(3000000, 25, 25), meshes = report; // more lines than seven digits count
-    expect_refused(&w, &huge, patch, KN_ELIMIT);
+    sink_world_expect_refusals(&w);
+    kn_job_report huge = test_report(3000000, 25, 25); // more lines than seven digits count
+    kn_job_report meshes = test_report(1, 4, 3);
+    sink_world_expect_refused(&w, &huge, &w.patch[3], KN_ELIMIT);
     meshes.meshes = 1;
-    expect_refused(&w, &meshes, patch, KN_EDOMAIN);
-
-    assert_int_equal(kn_iges_sink(w.ctx, &sink, "/nowhere/x.igs", NULL), KN_EIO);
-    kn_ctx_clear_error(w.ctx);
+    sink_world_expect_refused(&w, &meshes, &w.patch[3], KN_EDOMAIN);
     static const kn_iges_options bad[] = {{.unit_mm = -1.0},
                                           {.uncertainty_mm = NAN},
                                           {.time_stamp = "yesterday"},
@@ -396,67 +284,52 @@ static void refusals(void **state)
     memset(name, 'x', sizeof name);
     name[399] = '\0';
     assert_int_equal(kn_iges_sink(w.ctx, &sink, w.path, &(kn_iges_options){.product = name}), KN_EDOMAIN);
-    world_clear(&w);
+    sink_world_clear(&w);
 }
 
 // Beside what is no file there is no place for another one: it has no name then.
 static void into_a_pipe(void **state)
 {
     (void)state;
-    world w;
-    world_make(&w, 1);
+    sink_world w;
+    world_make(&w);
     kn_sink sink;
-    kn_job_report report = test_report(PATCHES, 4, 3);
     assert_int_equal(kn_iges_sink(w.ctx, &sink, "/dev/null", NULL), KN_OK);
-    assert_int_equal(test_feed(w.ctx, &sink, &w.tile.tile, &report, w.patch, PATCHES, 4), KN_OK);
+    assert_int_equal(test_feed(w.ctx, &sink, &w.tile.tile, &w.report, w.patch, SINK_PATCHES, 4), KN_OK);
     kn_sink_close(w.ctx, &sink);
-    world_clear(&w);
-}
-
-// Patches are made of memory that does not fail; the sink's does.
-static kn_status feed_sink(kn_ctx *ctx, void *user)
-{
-    world *w = user;
-    kn_sink sink;
-    kn_job_report report = test_report(PATCHES, 4, 3);
-    kn_status status = kn_iges_sink(ctx, &sink, w->path, &w->options);
-    if (status != KN_OK) return status;
-    status = test_feed(ctx, &sink, &w->tile.tile, &report, w->patch, PATCHES, 4);
-    kn_sink_close(ctx, &sink);
-    if (status != KN_OK) assert_null(test_read_file(w->path, NULL));
-    return status;
+    sink_world_clear(&w);
 }
 
 static void without_memory(void **state)
 {
     (void)state;
-    world w;
+    sink_world w;
     static const char *const called[2] = {"one", NULL};
+    kn_iges_options options = {.surface_names = called, .nsurfaces = 2};
     kn_bezier f = {0};
     kn_trim side[2] = {{0}}, whole = {0};
     kn_trim_cut_report report;
-    world_make(&w, 1);
-    w.options.surface_names = called, w.options.nsurfaces = 2;
+    world_make(&w);
     assert_int_equal(kn_bezier_init(w.ctx, &f, 2, 1, false, (int[]){1, 1}), KN_OK);
     f.coef[0] = -1.0, f.coef[1] = 0.5, f.coef[2] = 0.25, f.coef[3] = 1.0;
     assert_int_equal(kn_trim_cut(w.ctx, &side[0], &side[1], &report, &whole, &f, 1e-2), KN_OK);
     w.patch[2].trim = &side[0], w.patch[7].trim = &side[1];
     w.patch[7].reversed = true;
     for (int surfaces = 0; surfaces < 2; surfaces++) {
-        w.options.surfaces = surfaces;
-        test_allocation_failures(feed_sink, &w);
-        char *text = write_iges(&w, &w.options, PATCHES, 4);
+        options.surfaces = surfaces;
+        sink_world_starve(&w, &options);
+        char *text = write_iges(&w, &options, SINK_PATCHES, 4);
         counts n = expect_consistent(text);
         assert_int_equal(n.of[144], surfaces ? 2 : 0);
         assert_int_equal(n.of[142], surfaces ? 2 : 0);
         assert_int_equal(n.of[102], surfaces ? 4 : 0);
-        assert_int_equal(n.of[510], surfaces ? 0 : PATCHES);
+        assert_int_equal(n.of[510], surfaces ? 0 : SINK_PATCHES);
         free(text);
         remove(w.path);
     }
     kn_bezier_clear(w.ctx, &f);
     for (int i = 0; i < 2; i++) kn_trim_clear(w.ctx, &side[i]);
-    world_clear(&w);
+    sink_world_clear(&w);
 }
 
 int main(void)
