@@ -84,8 +84,12 @@ kn_status kn_iges_put_face(kn_iges_written *w, const kn_patch *patch, double mm,
 {
     kn_text *text = &w->text;
     kn_iges_item *item = &w->items[w->nitems];
-    *item = (kn_iges_item){
-        .kind = KN_IGES_FACE, .look = patch->look, .id = patch->id, .group = patch->body, .body = -1, .exact = patch->exact};
+    *item = (kn_iges_item){.kind = KN_IGES_FACE,
+                           .look = patch->look,
+                           .id = patch->id,
+                           .group = patch->body,
+                           .body = -1,
+                           .exact = patch->exact};
     item->reversed = patch->reversed;
     item->begin = text->bytes;
     kn_patch_net f;

@@ -102,8 +102,12 @@ kn_status kn_iges_put_trimmed(kn_iges_written *w, const kn_patch *patch, double 
 {
     kn_ctx *ctx = w->text.ctx;
     kn_iges_item *item = &w->items[w->nitems];
-    *item = (kn_iges_item){
-        .kind = KN_IGES_TRIMMED, .look = patch->look, .id = patch->id, .group = patch->body, .body = -1, .exact = patch->exact};
+    *item = (kn_iges_item){.kind = KN_IGES_TRIMMED,
+                           .look = patch->look,
+                           .id = patch->id,
+                           .group = patch->body,
+                           .body = -1,
+                           .exact = patch->exact};
     item->reversed = patch->reversed, item->begin = w->text.bytes;
     if (patch->bounds) item->body = patch->bounds->body, item->shell = patch->bounds->shell;
     kn_patch_net net;
