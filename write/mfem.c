@@ -141,11 +141,59 @@ static void put_patch(kn_text *text, const kn_spline *s)
 
 // ---- the sink ----
 
+// A piece of the tile as a cell; its edges are looked at, and not compared.
+static kn_status add_piece(kn_ctx *ctx, mfem *m, const kn_bezier *piece, int part, int patch)
+{
+    kn_spline s = {0};
+    kn_status status = kn_spline_of_bezier(ctx, &s, piece);
+    if (status == KN_OK && m->n == m->room) {
+        size_t room = 2 * m->room + 16;
+        kn_mfem_cell *larger = kn_resize(ctx, m->cells, room, sizeof *larger);
+        if (larger) m->cells = larger, m->room = room;
+        if (!larger) status = KN_ENOMEM;
+    }
+    if (status == KN_OK) {
+        kn_mfem_cell *cell = &m->cells[m->n++];
+        *cell = (kn_mfem_cell){.id = {.part = part, .patch = patch}};
+        look_at(cell, &s);
+        memset(cell->edge, 0, sizeof cell->edge), memset(cell->face, 0, sizeof cell->face);
+        if (has_closed_edge(cell, s.nvars))
+            status = kn_write_refuse(ctx, format.name, &cell->id, "has an edge that is closed or a point");
+    }
+    kn_spline_clear(ctx, &s);
+    return status;
+}
+
+// What is wrong with the tile is so with each of its copies: it is said before anything is composed. The sink's cells
+// hold its pieces meanwhile.
+static kn_status check_tile(kn_ctx *ctx, mfem *m, const kn_tile *tile, int nvars)
+{
+    kn_status status = KN_OK;
+    for (int p = 0; p < tile->nparts; p++)
+        for (int i = 0, patch = 0; status == KN_OK && i < tile->parts[p].nsplines; i++) {
+            const kn_spline *s = &tile->parts[p].splines[i];
+            kn_bezier *pieces = NULL;
+            size_t n = 0;
+            if (s->nvars == nvars && kn_spline_dim(s) == 3) status = kn_spline_to_bezier(ctx, &pieces, &n, s);
+            for (size_t k = 0; k < n; k++) {
+                if (status == KN_OK) status = add_piece(ctx, m, &pieces[k], p, patch++);
+                kn_bezier_clear(ctx, &pieces[k]);
+            }
+            kn_free(ctx, pieces);
+        }
+    if (status == KN_OK && m->n > 0) status = kn_mfem_check_edges(ctx, m->cells, m->n, nvars);
+    m->n = 0;
+    return status;
+}
+
 static kn_status begin(kn_ctx *ctx, void *user, const kn_tile *tile, const kn_job_report *report)
 {
     mfem *m = user;
     m->nlooks = tile->nparts;
-    return kn_write_check_report(ctx, &format, report);
+    kn_status status = kn_write_check_report(ctx, &format, report);
+    if (status == KN_OK && report->volumes > 0 && report->volumes < report->patches)
+        status = kn_fail(ctx, KN_EDOMAIN, "MFEM: a mesh is of surfaces or of volumes, and not of both");
+    return status == KN_OK ? check_tile(ctx, m, tile, report->volumes > 0 ? 3 : 2) : status;
 }
 
 static void discard(kn_ctx *ctx, void *user, void *product)

@@ -23,6 +23,9 @@ enum { KN_MFEM_SQUARE_EDGES = 4, KN_MFEM_CUBE_EDGES = 12, KN_MFEM_CUBE_FACES = 6
 // The corners of face f of a cube, seen from outside counterclockwise, and where it lies: its variable and end.
 void kn_mfem_face(int f, int corner[4], int *var, int *end);
 
+// Whether any three of n patches of nvars variables meet at an edge of surfaces, or at a face; of no patch an edge has the
+// same corner at both ends. Sums are not looked at. fails: KN_EDOMAIN these (the message says which), KN_ENOMEM.
+KN_CHECKED kn_status kn_mfem_check_edges(kn_ctx *ctx, const kn_mfem_cell *cells, size_t n, int nvars);
 // The sections dimension, elements, boundary, edges and vertices of n patches of nvars variables, 2 or 3, of which no
 // edge has the same corner at both ends.
 // fails: KN_EDOMAIN patches that do not meet as MFEM wants them to (the message says which), KN_ENOMEM.

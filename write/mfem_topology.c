@@ -311,7 +311,17 @@ static kn_status survey(kn_ctx *ctx, kn_text *text, topology *t)
     return status;
 }
 
-kn_status kn_mfem_put_topology(kn_ctx *ctx, kn_text *text, const kn_mfem_cell *cells, size_t n, int nvars)
+static kn_status look(kn_ctx *ctx, kn_text *text, topology *t)
+{
+    kn_status status = find_vertices(ctx, t);
+    (void)text;
+    if (status == KN_OK) status = find_edges(ctx, t);
+    return status == KN_OK && t->nvars == 3 ? find_faces(ctx, t) : status;
+}
+
+// A topology of these patches, which `work` does what it is for with.
+static kn_status with_topology(kn_ctx *ctx, kn_text *text, const kn_mfem_cell *cells, size_t n, int nvars,
+                               kn_status (*work)(kn_ctx *ctx, kn_text *text, topology *t))
 {
     topology t = {.cells = cells, .n = n, .nvars = nvars, .corners = nvars == 2 ? 4 : 8};
     t.edges = nvars == 2 ? KN_MFEM_SQUARE_EDGES : KN_MFEM_CUBE_EDGES;
@@ -326,8 +336,18 @@ kn_status kn_mfem_put_topology(kn_ctx *ctx, kn_text *text, const kn_mfem_cell *c
     t.ends = kn_alloc(ctx, edges, 2 * sizeof *t.ends);
     t.turned = kn_alloc(ctx, edges, sizeof *t.turned);
     bool enough = t.vertex && t.edge && t.uses && t.backward && t.parent && t.ends && t.turned;
-    kn_status status = enough ? survey(ctx, text, &t) : KN_ENOMEM;
+    kn_status status = enough ? work(ctx, text, &t) : KN_ENOMEM;
     kn_free(ctx, t.vertex), kn_free(ctx, t.edge), kn_free(ctx, t.uses), kn_free(ctx, t.backward);
     kn_free(ctx, t.parent), kn_free(ctx, t.ends), kn_free(ctx, t.turned);
-    return status == KN_OK && text->failed ? KN_ENOMEM : status;
+    return status == KN_OK && text && text->failed ? KN_ENOMEM : status;
+}
+
+kn_status kn_mfem_put_topology(kn_ctx *ctx, kn_text *text, const kn_mfem_cell *cells, size_t n, int nvars)
+{
+    return with_topology(ctx, text, cells, n, nvars, survey);
+}
+
+kn_status kn_mfem_check_edges(kn_ctx *ctx, const kn_mfem_cell *cells, size_t n, int nvars)
+{
+    return with_topology(ctx, NULL, cells, n, nvars, look);
 }

@@ -39,10 +39,10 @@ KN_API KN_CHECKED kn_status kn_vtu_sink(kn_ctx *ctx, kn_sink *out, const char *p
 // MFEM NURBS mesh (.mesh, v1.0): surfaces in space or volumes, each a patch with its knots and homogeneous control points.
 // Vertices are one where their coordinates are equal bit for bit, edges and faces where their vertices are. Attributes
 // of patches are 1 + part, of the boundary 1 + 2 variable + end.
-// fails:  also KN_EDOMAIN an edge that is closed or a point, patches of both kinds; at the end edges or faces between
-//         the same vertices with other control points; neighbours with other knots or degrees along a common
-//         variable; three patches at an edge of surfaces or at a face; a ring of patches that is twisted. Messages name
-//         the patch.
+// fails:  also KN_EDOMAIN an edge that is closed or a point, patches of both kinds, three patches at an edge of surfaces
+//         or at a face: at the begin where the tile or the report tells; at the end edges or faces between the same
+//         vertices with other control points; neighbours with other knots or degrees along a common variable; a ring
+//         of patches that is twisted. Messages name the patch.
 // memory: about 1 KiB for each patch, until the end. Runs cannot be noted.
 KN_API KN_CHECKED kn_status kn_mfem_sink(kn_ctx *ctx, kn_sink *out, const char *path);
 // POV-Ray scene (.pov): polynomial surfaces of degrees up to 3 as bicubic patches, all else as triangles with normals,

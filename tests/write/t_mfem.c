@@ -2,6 +2,7 @@
 // MFEM NURBS meshes, by a reader written from mfem.org's description of the format: there is no MFEM to ask in Debian.
 // Its rules for edges (each belongs to a knot vector, in a direction; those opposite each other in a patch to the same
 // one in the same direction) are those of MFEM's own check.
+#include "tests/support/scene.h"
 #include "tests/write/world.h"
 
 #include <stdio.h>
@@ -333,6 +334,56 @@ static void refusals(void **state)
     world_clear(&w);
 }
 
+// What is wrong with a tile is said before anything is composed: at the begin.
+static void refused_tile(const kn_tile *tile, size_t volumes, const char *why)
+{
+    test_memory memory = TEST_MEMORY_INIT;
+    kn_ctx *ctx = test_ctx(&memory, 1);
+    kn_sink sink = {0};
+    char path[TEST_PATH_BYTES];
+    kn_job_report report = test_report(100, 3, 3);
+    report.volumes = volumes;
+    test_tmp_path(path, "tile.mesh");
+    assert_int_equal(kn_mfem_sink(ctx, &sink, path), KN_OK);
+    assert_int_equal(sink.begin(ctx, sink.user, tile, &report), why ? KN_EDOMAIN : KN_OK);
+    if (why && !strstr(kn_ctx_message(ctx), why)) fail_msg("%s", kn_ctx_message(ctx));
+    kn_sink_close(ctx, &sink);
+    assert_null(test_read_file(path, NULL));
+    test_ctx_end(ctx, &memory);
+}
+
+static void refused_tiles(void **state)
+{
+    (void)state;
+    // Plates with one corner after the other, the last variable fastest: three at the first edge, and a triangle.
+    static const double plates[4][12] = {{0, 0, 0, 0, 1, 0, 1, 0, 0, 1, 1, 0},
+                                         {0, 0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1},
+                                         {0, 0, 0, 0, 1, 0, -1, 0, 1, -1, 1, 1},
+                                         {0, 0, 0, 0, 0, 0, 1, 0, 0, 1, 1, 0}};
+    test_memory memory = TEST_MEMORY_INIT;
+    kn_ctx *ctx = test_ctx(&memory, 1);
+    kn_tile tile = {0};
+    kn_spline s = {0};
+    assert_int_equal(kn_tile_init(ctx, &tile, "plates", 2), KN_OK);
+    for (int i = 0; i < 3; i++) {
+        refused_tile(&tile, 0, NULL); // two meet at most
+        scene_multilinear(ctx, &s, 2, plates[i]);
+        assert_int_equal(kn_tile_add(ctx, &tile, i > 0, &s), KN_OK);
+        kn_spline_clear(ctx, &s);
+    }
+    refused_tile(&tile, 0, "patch 1 of part 1 in cell 0,0 of surface 0 is the third one at an edge");
+    refused_tile(&tile, 100, NULL); // of volumes alone
+    refused_tile(&tile, 50, "of surfaces or of volumes, and not of both");
+    kn_tile_clear(ctx, &tile);
+    assert_int_equal(kn_tile_init(ctx, &tile, "triangle", 1), KN_OK);
+    scene_multilinear(ctx, &s, 2, plates[3]);
+    assert_int_equal(kn_tile_add(ctx, &tile, 0, &s), KN_OK);
+    kn_spline_clear(ctx, &s);
+    refused_tile(&tile, 0, "patch 0 of part 0 in cell 0,0 of surface 0 has an edge that is closed or a point");
+    kn_tile_clear(ctx, &tile);
+    test_ctx_end(ctx, &memory);
+}
+
 // A band of three patches that closes with a half turn.
 static void twisted(void **state)
 {
@@ -370,11 +421,8 @@ static void without_memory(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(surfaces_and_volumes),
-        cmocka_unit_test(on_their_own),
-        cmocka_unit_test(refusals),
-        cmocka_unit_test(twisted),
-        cmocka_unit_test(without_memory),
+        cmocka_unit_test(surfaces_and_volumes), cmocka_unit_test(on_their_own), cmocka_unit_test(refusals),
+        cmocka_unit_test(refused_tiles),        cmocka_unit_test(twisted),      cmocka_unit_test(without_memory),
     };
     return cmocka_run_group_tests_name("write/mfem", tests, NULL, NULL);
 }
