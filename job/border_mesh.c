@@ -69,7 +69,7 @@ static kn_status find_side(kn_ctx *ctx, kn_answer *out, const cutting *c, int pa
     bool foreign = false;
     for (int d = 0; d < 2; d++) {
         first[d] = (int)floor(c->lo[d] + on_line), last[d] = (int)ceil(c->hi[d] - on_line) - 1;
-        last[d] = last[d] > first[d] ? last[d] : first[d];
+        if (last[d] < first[d]) first[d] = last[d] = last[d] == 0 ? 0 : first[d]; // flat, along a line between cells
     }
     kn_status status = KN_OK;
     for (int i = first[0]; i <= last[0]; i++)

@@ -74,6 +74,14 @@ static void wide_sheet(kn_ctx *ctx, kn_tile *tile)
     set_mesh(ctx, tile, at, 4, triangle, 2);
 }
 
+// An upright wall along the cell's end of u.
+static void wall(kn_ctx *ctx, kn_tile *tile)
+{
+    double at[4][3] = {{1, 0, 0}, {1, 1, 0}, {1, 1, 1}, {1, 0, 1}};
+    uint32_t triangle[6] = {0, 1, 2, 0, 2, 3};
+    set_mesh(ctx, tile, at, 4, triangle, 2);
+}
+
 // ---- scenes ----
 
 static void begin(scene *s, void (*make)(kn_ctx *, kn_spline *), void (*tile)(kn_ctx *, kn_tile *),
@@ -318,6 +326,29 @@ static void over_a_shared_edge(void **state)
     end(&s);
 }
 
+// A wall that stands on the shared edge belongs to its own cell: cut where the border ends there, v = 0.3. The second
+// plane is not trimmed.
+static void on_a_shared_edge(void **state)
+{
+    (void)state;
+    scene s;
+    soup m = {0};
+    begin(&s, make_plane, wall, trims_bay);
+    make_plane(s.ctx, &s.base[1]);
+    for (int i = 0; i < 4; i++) s.base[1].coef[i] += 2;
+    s.nbases = 2;
+    s.o.count[0] = s.o.count[1] = 1;
+    double error = run(&s, &m).crossing_error, sum[2] = {0, 0};
+    for (size_t i = 0; i < m.n; i++) {
+        const double *p = m.at + 9 * i, *q = p + 3, *r = p + 6;
+        sum[p[0] > 3] += ((q[1] - p[1]) * (r[2] - p[2]) - (q[2] - p[2]) * (r[1] - p[1])) / 2;
+    }
+    assert_int_equal(m.meshes, 2);
+    assert_true(fabs(sum[0] - 0.2 * 3 * 0.3) <= 0.2 * error && fabs(sum[1] - 0.2 * 3) <= 1e-14);
+    free(m.at);
+    end(&s);
+}
+
 static void volumes_are_refused(void **state)
 {
     (void)state;
@@ -363,9 +394,10 @@ static void little_memory(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(areas_agree),   cmocka_unit_test(cuts_meet),          cmocka_unit_test(beyond_ends),
-        cmocka_unit_test(bent_bases),    cmocka_unit_test(over_a_shared_edge), cmocka_unit_test(volumes_are_refused),
-        cmocka_unit_test(little_memory),
+        cmocka_unit_test(areas_agree),         cmocka_unit_test(cuts_meet),
+        cmocka_unit_test(beyond_ends),         cmocka_unit_test(bent_bases),
+        cmocka_unit_test(over_a_shared_edge),  cmocka_unit_test(on_a_shared_edge),
+        cmocka_unit_test(volumes_are_refused), cmocka_unit_test(little_memory),
     };
     return cmocka_run_group_tests_name("job/trimmed_mesh", tests, NULL, NULL);
 }
