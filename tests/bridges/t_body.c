@@ -483,10 +483,10 @@ int main(void)
     const size_t left_out = 3;
 #endif
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(limited_knob), cmocka_unit_test(covered_knob), cmocka_unit_test(cannot_replace),
-        cmocka_unit_test(boxes),        cmocka_unit_test(sheet),        cmocka_unit_test(recipes),
-        cmocka_unit_test(knurled_knob),
-        cmocka_unit_test(rod),          cmocka_unit_test(protocols),    cmocka_unit_test(the_same_bytes),
+        cmocka_unit_test(limited_knob),   cmocka_unit_test(covered_knob), cmocka_unit_test(cannot_replace),
+        cmocka_unit_test(boxes),          cmocka_unit_test(sheet),        cmocka_unit_test(recipes),
+        cmocka_unit_test(knurled_knob),   cmocka_unit_test(rod),          cmocka_unit_test(protocols),
+        cmocka_unit_test(the_same_bytes),
     };
     return _cmocka_run_group_tests("bridges/body", tests, sizeof tests / sizeof *tests - left_out, NULL, NULL);
 }
