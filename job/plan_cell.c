@@ -253,6 +253,10 @@ static kn_status plan_patch(kn_ctx *ctx, kn_job_cell_plan *plan, int patch, bool
     kn_job_leaf leaf = {.key = {.patch = patch}, .own = own, .instance = instance, .piece = -1};
     const kn_job_patch *p = kn_job_leaf_patch(plan, &leaf);
     kn_job_place place = kn_job_find_place(plan->job, plan->surface, plan->cell, p->offset);
+    for (int v = 0; v < 2; v++) { // over the seam
+        const kn_job_surface *s = &plan->job->surfaces[place.surface];
+        if (s->closed[v]) place.cell[v] = (place.cell[v] % s->cells[v] + s->cells[v]) % s->cells[v];
+    }
     bool can = p->inside && !kn_job_clips_trims(plan->job) && kn_job_may_meet(plan, &place) &&
                !kn_job_is_trimmed(plan, &leaf);
     bool met = false;

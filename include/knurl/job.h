@@ -53,7 +53,7 @@ typedef enum kn_job_crossing {
 typedef enum kn_job_trimmed {
     KN_TRIMMED_KEEP, // they stay whole
     // They are cut off at the border, within crossing_tol: surfaces are trimmed along its preimage, curves end there,
-    // triangles are cut along it. Not for volumes that cross it, nor meshes that reach over to another surface there.
+    // triangles are cut along it. Not for volumes that cross it.
     KN_TRIMMED_CLIP,
     // Heights fall off to nothing (options.taper, 0: over one cell) towards the cells that the border crosses, and
     // to open ends. There a covering tile, which lies on the surface itself, is cut off as above, so that the face
@@ -206,10 +206,11 @@ typedef struct kn_job_options {
     double mesh_tol;     // chord height of tessellations, length units; 0: 1/100 of the mean cell size
     bool symbolic;       // compose each cell symbolically (the reference) instead of by matrix
     // Patches over cells for which no polynomial of the degrees that there is room for is n interpolate T(D), with
-    // N/|N| itself, in the least degrees that do, so that edges are the same on both sides bit for bit
-    // (stand_in_error bounds that). On polynomial surfaces without fields, tiles of surfaces alone that stay in their
-    // cells and are not cut by trims, up to 20,000 patches on surfaces that hang together; elsewhere, and of false,
-    // patches over such cells have stand-ins for n, each its own.
+    // N/|N| itself, in the least degrees that do, 32 at most, so that edges are the same on both sides bit for bit
+    // (stand_in_error bounds that). They are polynomials, on rational surfaces too. Of tiles of surfaces alone, those
+    // patches that stay in their cells and are not cut by trims, up to 200,000 on surfaces that hang together, and
+    // without an attraction of power 1; elsewhere, and of false, patches over such cells have stand-ins for n, each
+    // its own.
     bool equal_edges;
 } kn_job_options;
 KN_API kn_job_options kn_job_defaults(void);

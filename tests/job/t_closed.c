@@ -227,10 +227,11 @@ static void bodies_close(void **state)
 
 typedef struct meeting {
     const char *tile;
-    void (*make)(kn_ctx *ctx, kn_spline *out); // NULL: patches of the teapot
+    void (*make)(kn_ctx *ctx, kn_spline *out); // the first surface; NULL: patches of the teapot
     int patches[4], n, count[2];
     bool equal, fields;
-    int most; // the largest degree: what the sharpest row of cells needs, and not what there is room for
+    double stagger; // of rows, whose tiles are lower towards open ends, too
+    int most;       // the largest degree: what the sharpest row of cells needs, and not what there is room for
 } meeting;
 
 // The Bezier patch of the tile that a patch was made of.
@@ -247,6 +248,24 @@ static void part_of_tile(kn_ctx *ctx, kn_bezier *out, const kn_tile *tile, const
         kn_free(ctx, pieces);
     }
     assert_non_null(out->coef);
+}
+
+// A quarter of a cylinder, and a plane that goes on from it.
+static void make_arc(kn_ctx *ctx, kn_spline *out)
+{
+    static const double u[6] = {0, 0, 0, 1, 1, 1}, v[4] = {0, 0, 1, 1};
+    const double *const knots[2] = {u, v};
+    const double w = sqrt(0.5), coef[24] = {1, 1, w, w, 0, 0, 0, 0, w, w, 1, 1, 0, 1, 0, w, 0, 1, 1, 1, w, w, 1, 1};
+    assert_int_equal(kn_spline_init(ctx, out, 2, 4, true, (const int[2]){2, 1}, (const int[2]){3, 2}, knots, coef),
+                     KN_OK);
+}
+
+static void make_tangent(kn_ctx *ctx, kn_spline *out)
+{
+    static const double line[4] = {0, 0, 1, 1}, coef[12] = {0, 0, -1, -1, 1, 1, 1, 1, 0, 1, 0, 1};
+    const double *const knots[2] = {line, line};
+    assert_int_equal(kn_spline_init(ctx, out, 2, 3, false, (const int[2]){1, 1}, (const int[2]){2, 2}, knots, coef),
+                     KN_OK);
 }
 
 // Of a base over [0,1]^2: a thickness that is bilinear, and an attraction.
@@ -327,9 +346,10 @@ static void check_meeting(kn_ctx *ctx, const meeting *m)
     kn_job_options o = kn_job_defaults();
     o.count[0] = m->count[0], o.count[1] = m->count[1], o.height = height, o.equal_edges = m->equal;
     for (int i = 0; i < m->n; i++) {
-        if (m->make) m->make(ctx, &s[i]);
+        if (m->make) (i == 0 ? m->make : make_tangent)(ctx, &s[i]);
         if (!m->make && !make_teapot(ctx, &s[i], m->patches[i])) fail_msg("data/teapot.bpt is not there");
     }
+    o.placement.stagger[0] = m->stagger, o.taper = m->stagger;
     make_fields(ctx, &thickness, &attraction);
     if (m->fields) o.thickness = &thickness, o.attraction = &attraction, o.max_degree = 32; // n needs room beside h
     assert_int_equal(kn_builtin_tile(ctx, &tile, m->tile), KN_OK);
@@ -345,6 +365,7 @@ static void check_meeting(kn_ctx *ctx, const meeting *m)
         const kn_patch_id *id = &r.patches[i].id;
         assert_false(r.patches[i].exact || r.patches[i].bezier.rational);
         for (int v = 0; v < 2; v++) assert_true(r.patches[i].bezier.degree[v] <= m->most);
+        if (m->stagger != 0) continue; // D is not the tile's
         double off = off_true(ctx, &r.patches[i], job, &tile, &s[id->surface], height, m->fields);
         if (!(off <= bound)) fail_msg("%s, patch %zu: off by %g, and %g is stated", m->tile, i, off, bound);
     }
@@ -359,17 +380,19 @@ static void patches_meet(void **state)
 {
     (void)state;
     static const meeting cases[] = {
-        {"thorn", NULL, {12, 13, 14, 15}, 4, {1, 1}, true, false, 14},
-        {"thorn", NULL, {12, 13}, 2, {1, 1}, false, false, 25},
-        {"bump", NULL, {16, 17}, 2, {1, 1}, true, false, 15},
-        {"scale", NULL, {12, 13}, 2, {2, 2}, true, false, 12},
-        {"knurl", NULL, {0, 1, 2, 3}, 4, {2, 2}, true, false, 13},
+        {"thorn", NULL, {12, 13, 14, 15}, 4, {1, 1}, true, false, 0, 14},
+        {"thorn", NULL, {12, 13}, 2, {1, 1}, false, false, 0, 25},
+        {"bump", NULL, {16, 17}, 2, {1, 1}, true, false, 0, 15},
+        {"scale", NULL, {12, 13}, 2, {2, 2}, true, false, 0, 12},
+        {"knurl", NULL, {0, 1, 2, 3}, 4, {2, 2}, true, false, 0, 13},
         // rational surfaces: a closed one with a seam, one with poles, and one without either
-        {"wicker1", make_cylinder, {0}, 1, {4, 1}, true, false, 8},
-        {"bump", make_sphere, {0}, 1, {4, 2}, true, false, 12},
-        {"thorn", scene_torus, {0}, 1, {1, 1}, true, false, 12},
-        {"thorn", scene_torus, {0}, 1, {1, 1}, true, true, 12},
-        {"thorn", NULL, {12}, 1, {1, 1}, true, true, 14},
+        {"wicker1", make_cylinder, {0}, 1, {4, 1}, true, false, 0, 8},
+        {"bump", make_sphere, {0}, 1, {4, 2}, true, false, 0, 12},
+        {"thorn", scene_torus, {0}, 1, {1, 1}, true, false, 0, 12},
+        {"thorn", scene_torus, {0}, 1, {1, 1}, true, true, 0, 12},
+        {"scale", make_arc, {0}, 2, {1, 1}, true, false, 0, 10}, // a rational surface and a polynomial one
+        {"thorn", NULL, {12}, 1, {1, 1}, true, true, 0, 14},
+        {"scale", make_cylinder, {0}, 1, {4, 2}, true, false, 0.5, 10}, // over the seam, in cells that are not alike
     };
     test_memory memory = TEST_MEMORY_INIT;
     kn_ctx *ctx = test_ctx(&memory, 1);
