@@ -90,6 +90,6 @@ kn_status kn_job_clip_leaf(kn_ctx *ctx, kn_job_cell_plan *plan, kn_job_leaf *lea
 
 // ---- border_mesh.c ----
 // What of a mesh of a part, placed in the plan's cell, lies in the region; plan->crossing, as far as the cuts are off.
-kn_status kn_job_border_cut_mesh(kn_ctx *ctx, kn_mesh *mesh, kn_job_cell_plan *plan, int part);
+kn_status kn_job_border_cut_mesh(kn_ctx *ctx, kn_mesh *mesh, kn_job_cell_plan *plan);
 
 #endif

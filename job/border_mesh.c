@@ -4,10 +4,12 @@
 //
 // No triangle of the cut mesh is crossed by the border, so that its middle tells where it lies: the straight way to
 // there from a place that certainly lies in the region, beside a segment of the border, crosses an even number of
-// segments.
+// segments. A mesh that reaches over to other surfaces is cut along the cell lines first, and what lies in a cell of
+// another surface is taken there.
 #include "job/border.h"
 
 #include <math.h>
+#include <string.h>
 
 enum { MOST_SEGMENTS = 4096 };        // of the border, over one mesh
 static const double on_line = 1e-9;   // of a cell
@@ -16,7 +18,7 @@ static const double beside = 0x1p-10; // of a cell: how far from its segment the
 
 typedef struct cutting {
     const kn_job *job;
-    const kn_job_cell_plan *plan;
+    int surface, cell[2];
     double lo[2], hi[2], top; // of the mesh, in the cell's coordinates; max |w|
     kn_mesh_segment *list;    // the same coordinates
     size_t n;
@@ -38,63 +40,12 @@ static void find_box(cutting *c, const kn_mesh *mesh)
     }
 }
 
-// ---- where the mesh lies ----
-
-// Of the part of the box over the cell at an offset from the plan's. *foreign: that is no cell of the same lattice.
-static kn_status part_side(kn_ctx *ctx, kn_answer *out, bool *foreign, const cutting *c, const int offset[2])
-{
-    const kn_job_cell_plan *plan = c->plan;
-    kn_job_place place = kn_job_find_place(c->job, plan->surface, plan->cell, offset);
-    double corner[2][3] = {{0.0}, {0.0}}, lo[2], hi[2];
-    *foreign = place.surface != plan->surface || place.turn != 0;
-    for (int d = 0; d < 2; d++) {
-        *foreign = *foreign || place.cell[d] != plan->cell[d] + offset[d];
-        corner[0][d] = fmax(c->lo[d] - offset[d], 0.0), corner[1][d] = fmin(c->hi[d] - offset[d], 1.0);
-    }
-    for (int k = 0; k < 2; k++) kn_job_turn(corner[k], 1, 1, place.turn);
-    for (int d = 0; d < 2; d++) {
-        lo[d] = place.cell[d] + fmin(corner[0][d], corner[1][d]);
-        hi[d] = place.cell[d] + fmax(corner[0][d], corner[1][d]);
-    }
-    *out = KN_YES;
-    if (!kn_job_is_bordered(c->job, place.surface)) return KN_OK;
-    return kn_job_border_of_box(ctx, out, c->job, place.surface, lo, hi);
-}
-
-// Of all of it: KN_UNKNOWN, the border may cross it. A mesh that reaches over to another surface is not cut.
-static kn_status find_side(kn_ctx *ctx, kn_answer *out, const cutting *c, int part)
-{
-    const kn_job_surface *s = &c->job->surfaces[c->plan->surface];
-    int first[2], last[2], yes = 0, no = 0, all = 0;
-    bool foreign = false;
-    for (int d = 0; d < 2; d++) {
-        first[d] = (int)floor(c->lo[d] + on_line), last[d] = (int)ceil(c->hi[d] - on_line) - 1;
-        if (last[d] < first[d]) first[d] = last[d] = last[d] == 0 ? 0 : first[d]; // flat, along a line between cells
-    }
-    kn_status status = KN_OK;
-    for (int i = first[0]; i <= last[0]; i++)
-        for (int j = first[1]; status == KN_OK && j <= last[1]; j++) {
-            bool over;
-            kn_answer side;
-            status = part_side(ctx, &side, &over, c, (const int[]){i, j});
-            foreign = foreign || over;
-            yes += side == KN_YES, no += side == KN_NO, all++;
-        }
-    *out = yes == all ? KN_YES : no == all ? KN_NO : KN_UNKNOWN;
-    if (status != KN_OK || *out != KN_UNKNOWN || !foreign) return status;
-    return kn_fail(ctx, KN_EDOMAIN,
-                   "job: the mesh of tile part \"%s\" in cell %d,%d of surface %d crosses a border and reaches over "
-                   "to another surface, where meshes are not cut; --trimmed keep keeps it whole",
-                   c->job->tile.parts[part].name, s->origin_cell[0] + c->plan->cell[0],
-                   s->origin_cell[1] + c->plan->cell[1], s->origin);
-}
-
 // ---- the border ----
 
 // Where the border ends on an open end of the domain, it goes on straight beyond: there what is nearest counts.
 static void go_beyond(cutting *c, size_t segment, bool from)
 {
-    const kn_job_surface *s = &c->job->surfaces[c->plan->surface];
+    const kn_job_surface *s = &c->job->surfaces[c->surface];
     const kn_mesh_segment *of = &c->list[segment];
     const double *end = from ? of->from : of->to;
     for (size_t i = 0; i < c->n; i++) {
@@ -102,7 +53,7 @@ static void go_beyond(cutting *c, size_t segment, bool from)
         if (other[0] == end[0] && other[1] == end[1]) return;
     }
     for (int d = 0; d < 2; d++) {
-        double below = -c->plan->cell[d], above = s->cells[d] - c->plan->cell[d];
+        double below = -c->cell[d], above = s->cells[d] - c->cell[d];
         bool is_below = end[d] <= below + on_line && c->lo[d] < below;
         bool is_above = end[d] >= above - on_line && c->hi[d] > above;
         if (s->closed[d] || (!is_below && !is_above)) continue;
@@ -116,13 +67,13 @@ static void go_beyond(cutting *c, size_t segment, bool from)
 
 static kn_status take_border(kn_ctx *ctx, cutting *c)
 {
-    const kn_job_surface *s = &c->job->surfaces[c->plan->surface];
-    const int *cell = c->plan->cell;
+    const kn_job_surface *s = &c->job->surfaces[c->surface];
+    const int *cell = c->cell;
     double lo[2], hi[2];
     for (int d = 0; d < 2; d++) lo[d] = cell[d] + c->lo[d] - around, hi[d] = cell[d] + c->hi[d] + around;
     kn_job_segment *found = kn_scratch(ctx, MOST_SEGMENTS, sizeof *found);
     if (!found) return KN_ENOMEM;
-    c->n = kn_job_border_take(found, MOST_SEGMENTS, c->job, c->plan->surface, lo, hi);
+    c->n = kn_job_border_take(found, MOST_SEGMENTS, c->job, c->surface, lo, hi);
     if (c->n > MOST_SEGMENTS)
         return kn_fail(
             ctx, KN_ELIMIT,
@@ -217,42 +168,173 @@ static kn_status keep_inside(kn_ctx *ctx, kn_mesh *mesh, const cutting *c, const
     return kn_job_keep_triangles(ctx, mesh, keep);
 }
 
+// c knows where the mesh lies.
 static kn_status cut(kn_ctx *ctx, kn_job_cell_plan *plan, kn_mesh *mesh, cutting *c)
 {
-    double inside[2] = {0.0, 0.0}, speed;
+    double inside[2] = {0.0, 0.0}, speed, lo[2], hi[2];
     bool found = false;
-    kn_status status = take_border(ctx, c);
-    if (status == KN_OK) find_place_inside(inside, &found, c);
-    if (status == KN_OK && !found) {
-        const double middle[2] = {plan->cell[0] + 0.5 * (c->lo[0] + c->hi[0]),
-                                  plan->cell[1] + 0.5 * (c->lo[1] + c->hi[1])};
-        kn_answer side;
-        status = kn_job_border_side(ctx, &side, c->job, plan->surface, middle);
-        if (status == KN_OK && side == KN_NO) mesh->nvertices = mesh->ntriangles = 0;
-        return status;
+    kn_answer side = KN_YES;
+    find_box(c, mesh);
+    for (int d = 0; d < 2; d++) lo[d] = c->cell[d] + c->lo[d], hi[d] = c->cell[d] + c->hi[d];
+    kn_status status = KN_OK;
+    if (kn_job_is_bordered(c->job, c->surface)) status = kn_job_border_of_box(ctx, &side, c->job, c->surface, lo, hi);
+    if (status == KN_OK && side == KN_UNKNOWN) status = take_border(ctx, c);
+    if (status == KN_OK && side == KN_UNKNOWN) find_place_inside(inside, &found, c);
+    if (status == KN_OK && side == KN_UNKNOWN && !found) {
+        const double middle[2] = {0.5 * (lo[0] + hi[0]), 0.5 * (lo[1] + hi[1])};
+        status = kn_job_border_side(ctx, &side, c->job, c->surface, middle);
     }
-    if (status == KN_OK) status = kn_mesh_cut(ctx, mesh, c->list, c->n, on_line);
+    if (status == KN_OK && side == KN_NO) mesh->nvertices = mesh->ntriangles = 0;
+    if (status != KN_OK || !found) return status;
+    status = kn_mesh_cut(ctx, mesh, c->list, c->n, on_line);
     if (status == KN_OK) status = keep_inside(ctx, mesh, c, inside);
-    if (status == KN_OK) status = kn_job_border_speed(ctx, &speed, c->job, plan->surface, c->top);
+    if (status == KN_OK) status = kn_job_border_speed(ctx, &speed, c->job, c->surface, c->top);
     if (status == KN_OK) {
-        double off = c->job->borders->surfaces[plan->surface].off + on_line;
+        double off = c->job->borders->surfaces[c->surface].off + on_line;
         plan->crossing = fmax(plan->crossing, speed * off * (1.0 + 1e-12));
     }
     return status;
 }
 
-kn_status kn_job_border_cut_mesh(kn_ctx *ctx, kn_mesh *mesh, kn_job_cell_plan *plan, int part)
+// ---- meshes that reach over to other surfaces ----
+
+// The box around the plan's cell in which (u,v) is of its own lattice: end[variable][0] below it and [1] above.
+static void own_ends(double end[2][2], const kn_job_cell_plan *plan)
 {
-    cutting c = {.job = plan->job, .plan = plan};
-    kn_answer side;
-    if (!c.job->borders || c.job->options.trimmed != KN_TRIMMED_CLIP || kn_job_border_is_whole(plan) ||
+    const kn_job_surface *s = &plan->job->surfaces[plan->surface];
+    for (int k = 0; k < 4; k++) {
+        int d = k / 2, e = k % 2, offset[2] = {0, 0};
+        offset[d] = e == 0 ? -plan->cell[d] - 1 : s->cells[d] - plan->cell[d];
+        kn_job_place place = kn_job_find_place(plan->job, plan->surface, plan->cell, offset);
+        bool own = place.surface == plan->surface && place.turn == 0;
+        for (int c = 0; c < 2; c++) own = own && place.cell[c] == plan->cell[c] + offset[c];
+        double far = e == 0 ? -INFINITY : INFINITY, line = offset[d] + (e == 0 ? 1.0 : 0.0);
+        end[d][e] = s->closed[d] || own ? far : line;
+    }
+}
+
+// Along all cell lines.
+static kn_status cut_at_lines(kn_ctx *ctx, kn_mesh *mesh, const cutting *c)
+{
+    size_t n = 0, room = 2;
+    for (int d = 0; d < 2; d++) room += (size_t)(c->hi[d] - c->lo[d]) + 2;
+    kn_mesh_segment *lines = kn_scratch(ctx, room, sizeof *lines);
+    if (!lines) return KN_ENOMEM;
+    for (int d = 0; d < 2; d++)
+        for (double x = floor(c->lo[d]) + 1.0; x < c->hi[d]; x += 1.0) {
+            lines[n].from[d] = lines[n].to[d] = x;
+            lines[n].from[1 - d] = c->lo[1 - d] - 1.0, lines[n++].to[1 - d] = c->hi[1 - d] + 1.0;
+        }
+    return kn_mesh_cut(ctx, mesh, lines, n, on_line);
+}
+
+// There and back between the coordinates of the plan's cell and those of the place at an offset from it.
+static void turn_mesh(kn_mesh *mesh, const int offset[2], int turn, bool back)
+{
+    for (size_t i = 0; i < mesh->nvertices; i++) {
+        double *p = mesh->position + 3 * i;
+        if (!back) p[0] -= offset[0], p[1] -= offset[1];
+        if (back && (turn & KN_JOB_FLIP)) kn_job_turn(p, 1, 1, KN_JOB_FLIP);
+        kn_job_turn(p, 1, 1, !back ? turn : (4 - turn % KN_JOB_FLIP) % 4);
+        if (back) p[0] += offset[0], p[1] += offset[1];
+    }
+}
+
+static kn_status append(kn_ctx *ctx, kn_mesh *mesh, const kn_mesh *more, bool normals)
+{
+    size_t n = mesh->nvertices, t = mesh->ntriangles, nvertices = n + more->nvertices, count = t + more->ntriangles;
+    if (nvertices > UINT32_MAX) return kn_fail(ctx, KN_ELIMIT, "job: a mesh of %zu vertices", nvertices);
+    kn_mesh sum = {.nvertices = nvertices, .ntriangles = count, .vertex_room = nvertices, .triangle_room = count};
+    sum.position = kn_alloc(ctx, nvertices, 3 * sizeof *sum.position);
+    sum.triangle = kn_alloc(ctx, count, 3 * sizeof *sum.triangle);
+    if (normals) sum.normal = kn_alloc(ctx, nvertices, 3 * sizeof *sum.normal);
+    if (!sum.position || !sum.triangle || (normals && !sum.normal)) {
+        kn_mesh_clear(ctx, &sum);
+        return KN_ENOMEM;
+    }
+    const kn_mesh *parts[2] = {mesh, more};
+    for (size_t k = 0, at = 0, first = 0; k < 2; at += parts[k]->nvertices, first += parts[k]->ntriangles, k++) {
+        const kn_mesh *p = parts[k];
+        if (p->nvertices == 0) continue;
+        memcpy(sum.position + 3 * at, p->position, 3 * p->nvertices * sizeof *sum.position);
+        if (normals) memcpy(sum.normal + 3 * at, p->normal, 3 * p->nvertices * sizeof *sum.normal);
+        for (size_t i = 0; i < 3 * p->ntriangles; i++) sum.triangle[3 * first + i] = p->triangle[i] + (uint32_t)at;
+    }
+    kn_mesh_clear(ctx, mesh);
+    *mesh = sum;
+    return KN_OK;
+}
+
+// What of the mesh lies in one cell of another surface, or (own) in the plan's own lattice, cut there.
+static kn_status add_zone(kn_ctx *ctx, kn_mesh *out, const kn_mesh *mesh, kn_job_cell_plan *plan,
+                          const double end[2][2], const int offset[2], bool own)
+{
+    kn_job_place place = {plan->surface, {plan->cell[0], plan->cell[1]}, 0};
+    if (!own) place = kn_job_find_place(plan->job, plan->surface, plan->cell, offset);
+    const int none[2] = {0, 0}, *by = own ? none : offset;
+    kn_mesh part = {0};
+    kn_mark mark = kn_scratch_mark(ctx);
+    bool *keep = kn_scratch(ctx, mesh->ntriangles, sizeof *keep), any = false;
+    if (!keep) return KN_ENOMEM;
+    for (size_t t = 0; t < mesh->ntriangles; t++) {
+        double at[2] = {0.0, 0.0};
+        bool in_own = true, in_cell = true;
+        for (size_t k = 0; k < 6; k++)
+            at[k % 2] += mesh->position[3 * (size_t)mesh->triangle[3 * t + k / 2] + k % 2] / 3.0;
+        for (int d = 0; d < 2; d++) {
+            in_own = in_own && at[d] >= end[d][0] - on_line && at[d] <= end[d][1] + on_line;
+            in_cell = in_cell && (int)floor(at[d]) == offset[d];
+        }
+        keep[t] = own ? in_own : !in_own && in_cell;
+        any = any || keep[t];
+    }
+    kn_status status = any ? kn_mesh_copy(ctx, &part, mesh) : KN_OK;
+    if (status == KN_OK && any) status = kn_job_keep_triangles(ctx, &part, keep);
+    if (status == KN_OK && any) {
+        cutting c = {.job = plan->job, .surface = place.surface, .cell = {place.cell[0], place.cell[1]}};
+        turn_mesh(&part, by, place.turn, false);
+        status = cut(ctx, plan, &part, &c);
+        turn_mesh(&part, by, place.turn, true);
+    }
+    if (status == KN_OK && part.ntriangles > 0) status = append(ctx, out, &part, mesh->normal != NULL);
+    kn_mesh_clear(ctx, &part);
+    kn_scratch_release(ctx, mark);
+    return status;
+}
+
+static kn_status cut_zones(kn_ctx *ctx, kn_mesh *mesh, kn_job_cell_plan *plan, const cutting *c,
+                           const double end[2][2])
+{
+    kn_mesh out = {0};
+    const int none[2] = {0, 0};
+    kn_status status = cut_at_lines(ctx, mesh, c);
+    if (status == KN_OK) status = add_zone(ctx, &out, mesh, plan, end, none, true);
+    for (int i = (int)floor(c->lo[0]); i <= (int)floor(c->hi[0]); i++)
+        for (int j = (int)floor(c->lo[1]); status == KN_OK && j <= (int)floor(c->hi[1]); j++)
+            status = add_zone(ctx, &out, mesh, plan, end, (const int[]){i, j}, false);
+    if (status == KN_OK) {
+        kn_mesh old = *mesh;
+        *mesh = out;
+        out = old;
+    }
+    kn_mesh_clear(ctx, &out);
+    return status;
+}
+
+kn_status kn_job_border_cut_mesh(kn_ctx *ctx, kn_mesh *mesh, kn_job_cell_plan *plan)
+{
+    const kn_job *job = plan->job;
+    cutting c = {.job = job, .surface = plan->surface, .cell = {plan->cell[0], plan->cell[1]}};
+    double end[2][2];
+    if (!job->borders || job->options.trimmed != KN_TRIMMED_CLIP || kn_job_border_is_whole(plan) ||
         mesh->nvertices == 0)
         return KN_OK;
     find_box(&c, mesh);
+    own_ends(end, plan);
+    bool over = false;
+    for (int d = 0; d < 2; d++) over = over || c.lo[d] < end[d][0] - on_line || c.hi[d] > end[d][1] + on_line;
     kn_mark mark = kn_scratch_mark(ctx);
-    kn_status status = find_side(ctx, &side, &c, part);
-    if (status == KN_OK && side == KN_NO) mesh->nvertices = mesh->ntriangles = 0;
-    if (status == KN_OK && side == KN_UNKNOWN) status = cut(ctx, plan, mesh, &c);
+    kn_status status = over ? cut_zones(ctx, mesh, plan, &c, (const double(*)[2])end) : cut(ctx, plan, mesh, &c);
     kn_scratch_release(ctx, mark);
     return status;
 }

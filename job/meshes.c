@@ -195,7 +195,7 @@ kn_status kn_job_map_meshes(kn_ctx *ctx, kn_job_cell_plan *plan, const kn_job_in
         kn_mesh placed = {0};
         status = place_mesh(ctx, &placed, plan, instance, p);
         if (status == KN_OK) status = kn_job_clip_mesh(ctx, &placed, (const double(*)[2])end);
-        if (status == KN_OK) status = kn_job_border_cut_mesh(ctx, &placed, plan, p);
+        if (status == KN_OK) status = kn_job_border_cut_mesh(ctx, &placed, plan);
         bool any = placed.ntriangles > 0;
         if (status == KN_OK && any) status = kn_mesh_map_by(ctx, &leaf.mesh, NULL, &placed, map_point, &t, &o);
         if (status == KN_OK && any) status = kn_job_add_leaf(ctx, plan, &leaf);

@@ -192,6 +192,23 @@ static void areas_agree(void **state)
         }
 }
 
+// Of what trims_bay leaves between two values of u, over the plane: below the cubic from (1, 0.3) to (0, 0.8).
+static double strip_area(double from, double to)
+{
+    enum { STEPS = 4000 };
+    static const double x[4] = {1, 0.9, 0.3, 0}, y[4] = {0.3, 0.9, 0.1, 0.8};
+    double sum = 0, last[2] = {1, 0.3};
+    for (int k = 1; k <= STEPS; k++) { // chords: 1e-6 off
+        double t = (double)k / STEPS, r = 1 - t, b[4] = {r * r * r, 3 * r * r * t, 3 * r * t * t, t * t * t},
+               at[2] = {0};
+        for (int i = 0; i < 4; i++) at[0] += b[i] * x[i], at[1] += b[i] * y[i];
+        double lo = fmax(from, at[0]), hi = fmin(to, last[0]), slope = (last[1] - at[1]) / (last[0] - at[0]);
+        if (lo < hi) sum += (hi - lo) * (at[1] + slope * ((lo + hi) / 2 - at[0]));
+        last[0] = at[0], last[1] = at[1];
+    }
+    return 6 * sum;
+}
+
 static int compare(const void *a, const void *b)
 {
     const double *x = a, *y = b;
@@ -305,25 +322,68 @@ static void bent_bases(void **state)
     }
 }
 
-// Over an edge that two surfaces share meshes are not cut; away from the border they stay whole.
+// Sheets from u = -0.5 to u = 1.5 over two planes side by side, the second one turned round in two ways, with the same
+// border on both: where they reach over the shared edge they are cut by what is there.
 static void over_a_shared_edge(void **state)
 {
     (void)state;
-    scene s;
-    soup m = {0};
-    begin(&s, make_plane, wide_sheet, trims_disc);
-    make_plane(s.ctx, &s.base[1]);
-    for (int i = 0; i < 4; i++) s.base[1].coef[i] += 2;
-    s.nbases = 2;
-    s.o.count[0] = 2, s.o.count[1] = 1;
-    assert_int_equal(try_run(s.ctx, &s, &m, NULL), KN_EDOMAIN);
-    assert_non_null(strstr(kn_ctx_message(s.ctx), "reaches over to another surface"));
-    kn_ctx_clear_error(s.ctx);
-    s.o.count[0] = 40, s.o.count[1] = 40;
-    (void)run(&s, &m);
-    assert_true(m.meshes > 1600 && m.meshes < 3200);
-    free(m.at);
-    end(&s);
+    for (int turned = 0; turned < 2; turned++) {
+        scene s;
+        soup m = {0};
+        begin(&s, make_plane, wide_sheet, trims_bay);
+        make_plane(s.ctx, &s.base[1]);
+        double *c = s.base[1].coef; // (0,0), (0,1), (1,0), (1,1)
+        for (int i = 0; i < 4; i++) c[i] += 2;
+        if (turned) // half a turn: u and v run backwards
+            for (int d = 0; d < 2; d++) {
+                const double old[4] = {c[4 * d], c[4 * d + 1], c[4 * d + 2], c[4 * d + 3]};
+                for (int i = 0; i < 4; i++) c[4 * d + i] = old[3 - i];
+            }
+        trims_bay(s.ctx, &s.trim[1]);
+        s.nbases = 2;
+        s.o.count[0] = 2, s.o.count[1] = 1;
+        s.o.placement.border[0] = KN_BORDER_CLIP;
+        double error = run(&s, &m).crossing_error;
+        // each place is covered twice, but for the half cells at both open ends, which are covered once
+        double twice = 0, want;
+        for (int k = 0; k < 2; k++) {
+            soup one = {0};
+            scene alone;
+            begin(&alone, make_plane, wide_sheet, trims_bay);
+            alone.o.count[0] = 2, alone.o.count[1] = 1;
+            alone.o.placement.border[0] = KN_BORDER_CLIP;
+            (void)run(&alone, &one);
+            twice += area_above(&one);
+            free(one.at);
+            end(&alone);
+        }
+        // over the shared edge: half a cell of each, [0.75,1] of the first one's u, and [0,0.25] or [0.75,1] of the second's
+        want = twice + strip_area(0.75, 1) + (turned ? strip_area(0.75, 1) : strip_area(0, 0.25));
+        assert_true(fabs(area_above(&m) - want) <= 24 * error);
+        free(m.at);
+        // one sheet alone, with a border that goes on: the seam between what lies on either side of the edge is no gap
+        static const int first[1] = {0};
+        m = (soup){0};
+        s.o.count[0] = 1;
+        kn_trim_clear(s.ctx, &s.trim[1]);
+        trims_add_box(s.ctx, &s.trim[1], 0, turned ? 0.7 : 0, 1, turned ? 1 : 0.3);
+        s.o.select.surfaces = first, s.o.select.nsurfaces = 1;
+        error = run(&s, &m).crossing_error;
+        want = 6 * trims_area(&s.trim[0]) + 6 * 0.5 * 0.3;
+        assert_true(fabs(area_above(&m) - want) <= 8 * error);
+        double(*edges)[6] = edges_of(&m);
+        size_t seam = 0;
+        for (size_t i = 0, n; i < 3 * m.n; i += n) {
+            for (n = 1; i + n < 3 * m.n && compare(edges[i], edges[i + n]) == 0; n++) continue;
+            if (edges[i][0] != 2 || edges[i][3] != 2) continue;
+            assert_int_equal(n, 2);
+            seam++;
+        }
+        assert_true(seam > 0);
+        free(edges);
+        free(m.at);
+        end(&s);
+    }
 }
 
 // A wall that stands on the shared edge belongs to its own cell: cut where the border ends there, v = 0.3. The second
@@ -373,22 +433,27 @@ static void little_memory(void **state)
 {
     enum { PLACES = 24 };
     (void)state;
-    scene s;
-    begin(&s, make_plane, roof, trims_disc);
-    s.o.count[0] = s.o.count[1] = 1;
-    s.o.crossing_tol = 0.05;
-    size_t calls = s.memory.calls;
-    assert_int_equal(starve(s.ctx, &s), KN_OK);
-    calls = s.memory.calls - calls;
-    for (size_t k = 0; k < PLACES; k++) {
-        test_memory memory = TEST_MEMORY_INIT;
-        kn_ctx *ctx = test_ctx(&memory, 1);
-        memory.fail_at = memory.calls + (k < PLACES / 4 ? k : k * calls / PLACES);
-        assert_int_equal(starve(ctx, &s), KN_ENOMEM);
-        assert_int_equal(kn_ctx_error(ctx), KN_ENOMEM);
-        test_ctx_end(ctx, &memory);
+    for (int over = 0; over < 2; over++) {
+        scene s;
+        begin(&s, make_plane, over ? wide_sheet : roof, over ? trims_bay : trims_disc);
+        make_plane(s.ctx, &s.base[1]);
+        for (int i = 0; i < 4; i++) s.base[1].coef[i] += 2;
+        s.nbases = 1 + over;
+        s.o.count[0] = s.o.count[1] = 1;
+        s.o.crossing_tol = 0.05;
+        size_t calls = s.memory.calls;
+        assert_int_equal(starve(s.ctx, &s), KN_OK);
+        calls = s.memory.calls - calls;
+        for (size_t k = 0; k < PLACES; k++) {
+            test_memory memory = TEST_MEMORY_INIT;
+            kn_ctx *ctx = test_ctx(&memory, 1);
+            memory.fail_at = memory.calls + (k < PLACES / 4 ? k : k * calls / PLACES);
+            assert_int_equal(starve(ctx, &s), KN_ENOMEM);
+            assert_int_equal(kn_ctx_error(ctx), KN_ENOMEM);
+            test_ctx_end(ctx, &memory);
+        }
+        end(&s);
     }
-    end(&s);
 }
 
 int main(void)
