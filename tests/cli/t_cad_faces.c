@@ -327,10 +327,34 @@ static void an_edge(void **state)
     remove(base), remove(g2), remove(step);
 }
 
+// ---- the body beside ----
+
+// IGES holds the texture alone, and that is said; not where nobody wants the body.
+static void iges_beside(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *options, *file;
+        bool said;
+    } cases[] = {{"", "beside.igs", true}, {"--body none", "beside.igs", false}, {"", "beside.step", false}};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        char out[PATH_BYTES];
+        test_tmp_path(out, cases[i].file);
+        assert_int_equal(
+            run("apply examples/cad/knob.step --faces name:grip --tile straight --count 4,1 --taper 3 %s "
+                "-o '%s'",
+                cases[i].options, out),
+            0);
+        bool said = strstr(complained, "the texture alone: bodies (--body) go out in STEP") != NULL;
+        assert_int_equal(said, cases[i].said);
+        remove(out);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {cmocka_unit_test(a_hole), cmocka_unit_test(a_hole_in_meshes),
-                                       cmocka_unit_test(an_edge)};
+                                       cmocka_unit_test(an_edge), cmocka_unit_test(iges_beside)};
     return cmocka_run_group_tests_name("cli/cad_faces", tests, NULL, NULL);
 }
 #else
