@@ -451,8 +451,8 @@ kn_status kn_job_meeting_scale(kn_ctx *ctx, double *out, const kn_job *job);
 // scratch memory. fails: KN_EUNDEFINED no normal; KN_ENOMEM.
 kn_status kn_job_sample(kn_ctx *ctx, double *at, const kn_job *job, const kn_job_place *place, const kn_bezier *d,
                         const int degree[2]);
-// Appends one leaf that interpolates T(D), of the patch of this number, in the cell at `place`; *met: it is near enough,
-// else there is none.
+// Appends one leaf that interpolates T(D), of the patch of this number, in the cell at `place`; *met: it is near
+// enough, else there is none.
 kn_status kn_job_meet(kn_ctx *ctx, bool *met, kn_job_cell_plan *plan, const kn_job_leaf *leaf,
                       const kn_job_place *place, int number);
 

@@ -4,8 +4,8 @@
 // the patches on both sides of it have the same control points, bit for bit: points on edges that surfaces share are
 // taken from one of them, and sums are the same for both directions of an edge.
 //
-// The bound: the same patch was planned with stand-ins, whose errors are known; the difference of what they compose
-// to is a polynomial on each of its parts.
+// The bound: over each of its parts over which a polynomial stands for N/|N|, with an error that is certified, the
+// difference from what D composes to with that is a polynomial, and of a rational surface one over a weight.
 #include "bezier/norm_bound.h"
 #include "job/cross.h"
 #include "kernel/bernstein.h"
@@ -154,7 +154,7 @@ static void even(double *a, int rows, int columns)
         }
 }
 
-// Values at the sites of degree p become coefficients by way of Chebyshev's polynomials: of what is smooth, those with
+// Values at the sites of degree p become coefficients by way of Chebyshev's polynomials: of what is smooth those with
 // large Bernstein coefficients have small factors, so that less is lost than with the inverse of the basis functions.
 // a: from values to the factors of T_k(1 - 2x); b: from these to Bernstein coefficients. Both are the same from both
 // ends, of odd k but for the sign.
