@@ -223,7 +223,7 @@ static void cannot_replace(void **state)
         {"--tile chain --count 8,3 --taper 2", "leaves gaps"},
         {"--tile scale --count 8,3 --taper 2", "does not fill face"},
         {"--tile knurl --count 16,3 --taper 2 --density 0.5", "cells are left out"},
-        {"--tile bump --count 6,2 --height 0.1 --attraction 1,0,0", "do not meet bit for bit"},
+        {"--tile flower --count 6,2 --height 0.1 --taper 3", "do not meet bit for bit"},
     };
     scene s;
     make(&s);
