@@ -114,7 +114,7 @@ bool kn_job_meets(const kn_job *job, int surface, int edge)
 static int corner_at(int surface, int edge, int end);
 
 // The patches of all surfaces that hang together have to meet, where n is not one polynomial over each cell of one of
-// them, or one lends nothing to another; but not where there are too many.
+// them; but not where there are too many.
 static void find_families(kn_job *job, int *family, size_t *patches, bool *torn)
 {
     int n = job->nsurfaces;
@@ -128,8 +128,6 @@ static void find_families(kn_job *job, int *family, size_t *patches, bool *torn)
         bool can = kn_shell_normal(to->shell)->coef;
         patches[r] += can ? (size_t)to->cells[0] * (size_t)to->cells[1] * (size_t)job->npatches : most_meeting + 1;
         torn[r] = torn[r] || !has_whole_cells(to);
-        for (int e = 0; e < 4; e++)
-            torn[r] = torn[r] || (kn_job_meets(job, s, e) && to->partner[e].edge < 4 * s + e && !to->borrows[e]);
     }
     for (int s = 0; s < n; s++) {
         int r = kn_class_root(family, s);
