@@ -210,14 +210,15 @@ kn_status cli_body_plan_add(kn_ctx *ctx, cli_body_plan *out, const kn_cad *cad, 
     if (border->trimmed)
         snprintf(out->why, sizeof out->why,
                  "the texture is cut off at the ends of its faces, and not along its tiles");
+    for (int s = 0; s < nsurfaces && status == KN_OK && !out->why[0]; s++)
+        for (int k = 0; face[s] >= 0 && k < cad->faces[face[s]].trim.ncurves && status == KN_OK && !out->why[0]; k++)
+            status = look_at_curve(ctx, out, &t, s, k);
+    // Last: edges that end nowhere have no partner either.
     if (border->apart && !out->why[0])
         snprintf(
             out->why, sizeof out->why,
             "patches side by side do not meet bit for bit, for the normal is another polynomial in each: a larger "
             "--normal-tol, narrower cells or --normal exact-direction make it one");
-    for (int s = 0; s < nsurfaces && status == KN_OK && !out->why[0]; s++)
-        for (int k = 0; face[s] >= 0 && k < cad->faces[face[s]].trim.ncurves && status == KN_OK && !out->why[0]; k++)
-            status = look_at_curve(ctx, out, &t, s, k);
     return status;
 }
 

@@ -472,10 +472,11 @@ kn_status kn_brep_hold(kn_ctx *ctx, kn_brep *b, int *out)
     return KN_OK;
 }
 
-kn_status kn_brep_seed(kn_ctx *ctx, kn_brep *b, int group, int at, const kn_brep_edge *seed, uint64_t number,
+kn_status kn_brep_seed(kn_ctx *ctx, kn_brep *b, int group, int at, const kn_brep_edge *edge, uint64_t number,
                        const uint64_t vertex[2], bool against)
 {
-    const kn_brep_edge own = edge_in(group, seed), *edge = &own;
+    const kn_brep_edge own = edge_in(group, edge);
+    edge = &own;
     entry *twin = find(&b->edges, edge->key);
     bool pair = twin && twin->number == number && twin->body == (uint32_t)at && !twin->twice &&
                 twin->forward != edge->forward && twin->against == against;
