@@ -354,7 +354,7 @@ static void boxes(void **state)
     if (kn_occt_write_boxes(s.ctx, s.knob) != KN_OK) fail_msg("%s", kn_ctx_message(s.ctx));
     // x and y = 0: no part of (1/3) int x . dA
     const char *const faces[] = {"near:0,10,15+near:5,0,15", "0-11"};
-    for (int k = 0; k < 2; k++) {
+    for (int k = 0; k < test_cases(2); k++) {
         int replaced = k == 0 ? 2 : 12;
         int code = apply(
             &said,

@@ -300,7 +300,7 @@ static void an_edge(void **state)
                  {10, "--no-join --trimmed keep", "not wanted", true, 2}};
     char base[PATH_BYTES], g2[PATH_BYTES], step[PATH_BYTES];
     test_tmp_path(g2, "joined.g2"), test_tmp_path(step, "joined.step");
-    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+    for (int i = 0; i < test_cases((int)(sizeof cases / sizeof *cases)); i++) {
         make_roof(base, cases[i].degrees);
         int code = run("apply '%s' --tile dimples --count 4,4 --height 0.5 --body none %s --json -q "
                        "-o '%s' -o '%s'",
@@ -337,7 +337,7 @@ static void iges_beside(void **state)
         const char *options, *file;
         bool said;
     } cases[] = {{"", "beside.igs", true}, {"--body none", "beside.igs", false}, {"", "beside.step", false}};
-    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+    for (int i = 0; i < test_cases((int)(sizeof cases / sizeof *cases)); i++) {
         char out[PATH_BYTES];
         test_tmp_path(out, cases[i].file);
         assert_int_equal(
