@@ -4,13 +4,7 @@
 #include "cli/cli.h"
 #include "io/bend.h"
 #include "kernel/context.h"
-
-// Direction d of face f is number 2 f + d; directions that have a common side are of one class.
-static int root_of(int *parent, int i)
-{
-    for (; parent[i] != i; i = parent[i]) parent[i] = parent[parent[i]];
-    return i;
-}
+#include "kernel/union_find.h"
 
 // The direction that a curve runs in along a whole side of the square: 0, 1, or -1.
 static int side_of(const kn_cad_face *face, int curve)
@@ -27,6 +21,7 @@ static int side_of(const kn_cad_face *face, int curve)
     return along;
 }
 
+// Direction d of face f is number 2 f + d; directions that have a common side are of one class.
 static void join_sides(int *parent, const kn_cad *cad)
 {
     for (int i = 0; i < cad->nedges; i++) {
@@ -41,7 +36,7 @@ static void join_sides(int *parent, const kn_cad *cad)
         if (number[0] < 0 || number[1] < 0) continue;
         const kn_spline *a = &cad->faces[e->face[0]].surface, *b = &cad->faces[e->face[1]].surface;
         if (kn_spline_spans(a, number[0] % 2) != kn_spline_spans(b, number[1] % 2)) continue;
-        parent[root_of(parent, number[0])] = root_of(parent, number[1]);
+        kn_class_unite(parent, number[0], number[1]);
     }
 }
 
@@ -59,12 +54,12 @@ kn_status cli_cad_segments(kn_ctx *ctx, int (**out)[2], const kn_cad *cad, doubl
         double bend[3];
         status = kn_spline_bends(ctx, bend, s);
         for (int d = 0; status == KN_OK && d < 2; d++) {
-            int own = kn_bend_segments(2.0 * bend[d], tol), root = root_of(parent, 2 * f + d);
+            int own = kn_bend_segments(2.0 * bend[d], tol), root = kn_class_root(parent, 2 * f + d);
             if (own == 1 && s->degree[d] > 1) own = 2; // what bends is seen to
             if (own > most[root]) most[root] = own;
         }
     }
-    for (size_t i = 0; status == KN_OK && i < n; i++) counts[i / 2][i % 2] = most[root_of(parent, (int)i)];
+    for (size_t i = 0; status == KN_OK && i < n; i++) counts[i / 2][i % 2] = most[kn_class_root(parent, (int)i)];
     kn_scratch_release(ctx, mark);
     if (status == KN_OK)
         *out = counts;
